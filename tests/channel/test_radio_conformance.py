@@ -1,6 +1,7 @@
 """The contract of a radio, over every radio: any traffic, state in, state out, nothing from nowhere."""
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -463,6 +464,25 @@ def test_carrying_gives_what_stepping_gives(case: Case) -> None:
         carried, spent = case.radio.carry(spent, messages, place_m, end_s, Parts(3))
         assert_same(heard, carried)
         assert_same(state, spent)
+
+
+@every_radio
+@pytest.mark.parametrize("threads", [1, 2])
+def test_telling_gives_what_carrying_gives(case: Case, threads: int) -> None:
+    """Told of in order, and all of it before the interval is over, whichever thread tells."""
+    traffic, place_m = random_traffic(6, 40, 200, last_s=0.05)
+    state, twin = (case.radio.init(40, np.random.default_rng(0)) for _ in range(2))
+    with ThreadPoolExecutor(threads) as pool:
+        parts = Parts(3, pool) if threads > 1 else Parts(3)
+        for end_s, messages in ((0.05, traffic), (0.1, batch([], [])), (0.3, batch([], []))):
+            heard, state = case.radio.carry(state, messages, place_m, end_s)
+            told = list[Receptions]()
+            given = (twin, messages, place_m, end_s, parts)
+            received, twin = case.radio.carry_and_tell(*given, told.append)
+            assert_same(heard, received)
+            assert_same(state, twin)
+            pieces = Receptions.joined(told, outcomes=heard.outcomes, expired=heard.expired)
+            assert_same(heard, pieces)
 
 
 @every_frame_radio

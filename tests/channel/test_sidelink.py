@@ -140,7 +140,7 @@ def test_a_near_sender_on_another_sub_channel_drowns_a_far_one() -> None:
     for seed in range(200):
         state = radio.init(3, np.random.default_rng(seed))
         heard, after = radio.step(state, batch([1, 2], [0.0101, 0.0102]), place_m, 0.05)
-        bands = after.sensed[:, 0]
+        bands = after.sensed[:, 0].reshape(-1, radio.parameters.sub_channels)
         busiest = np.flatnonzero((bands > 1e-9).any(axis=1))
         at_listener = set(heard.sender[heard.receiver == 0].tolist())
         shared += busiest.size == 1 and 2 not in at_listener

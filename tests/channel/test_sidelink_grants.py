@@ -82,7 +82,8 @@ def every_step(steps: int, grant: Grant = Grant.ANY) -> dict[int, tuple[float, f
 
 def sent_ms(states: list[SidelinkState]) -> list[int]:
     """Subframes in which vehicle 0 sent, within the second that it remembers."""
-    return np.flatnonzero(np.isinf(states[-1].sensed[:, 0, 0])).tolist()
+    sensed = states[-1].sensed[:, 0].reshape(100, 10, -1)
+    return np.flatnonzero(np.isinf(sensed[:, :, 0].T)).tolist()
 
 
 def test_a_message_sent_twice_is_received_and_counted_once() -> None:

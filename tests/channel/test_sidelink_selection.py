@@ -36,12 +36,20 @@ def message(size: int, ready_s: float = 0.0005) -> Transmissions:
     )
 
 
+def as_kept(sensed: np.ndarray) -> np.ndarray:
+    """What vehicles sensed by subframe, (1000, V, C), as a state has it, (100, V, 10 C)."""
+    vehicles = sensed.shape[1]
+    seconds = sensed.reshape(10, 100, vehicles, -1).transpose(1, 2, 0, 3)
+    return np.ascontiguousarray(seconds.reshape(100, vehicles, -1))
+
+
 def chosen_by(
     radio: Sidelink, now: int, length: int, sensed: np.ndarray, reserved: np.ndarray, *, random: np.ndarray
 ) -> tuple[int, int]:
     """Subframe and first sub-channel of one choice."""
+    interval = radio.parameters.interval_ms
     when, band, _, _ = select_resource(
-        0, now, length, radio.parameters.interval_ms, False, sensed, reserved, random, radio.constants
+        0, now, length, interval, False, as_kept(sensed), reserved, random, radio.constants
     )
     return when, band
 
@@ -166,7 +174,7 @@ def test_power_below_the_noise_reads_zero_where_noise_does_not_count() -> None:
         noise_mw = radio.constants.pool.noise_mw
         assert radio.range_m < place_m[2, 0] or radio.range_m > place_m[1, 0]
         _, after = radio.step(radio.init(3, np.random.default_rng(1)), message(80), place_m, 0.2)
-        sensed = after.sensed[:200, 1:]
+        sensed = after.sensed[:, 1:]
         quiet = noise_mw if counts else 0.0
         assert sensed[:, 0].max() > 1e3 * noise_mw
         assert sensed[:, 1] == pytest.approx(quiet, abs=noise_mw)
@@ -182,8 +190,7 @@ def test_a_vehicle_that_chooses_first_by_chance_minds_no_reservation_once() -> N
         first = later = 0
         for seed in range(200):
             state = radio.init(2, np.random.default_rng(seed))
-            for second in range(10):
-                state.sensed[100 * second + loud, 0] = 1e-6
+            state.sensed[loud, 0] = 1e-6
             state.reserved[loud, 0] = 1e-8
             _, state = radio.step(state, message(80), place_m, 0.001)
             first += int(state.grant[0, NEXT]) % 100 in loud
@@ -202,7 +209,7 @@ def test_a_message_takes_sub_channels_that_it_does_not_fill() -> None:
     heard, after = radio.step(radio.init(2, np.random.default_rng(1)), message(300), place_m, 0.101)
     assert heard.receiver.tolist() == [1]
     at = round(1e3 * heard.t_s[0]) - 1
-    mw = after.sensed[at, 1]
+    mw = after.sensed[at % 100, 1].reshape(10, -1)[at // 100]
     assert mw[0] == pytest.approx(mw[1])
     assert 2.0 * mw[0] == pytest.approx(10 ** (0.1 * heard.rssi_dbm[0]), rel=1e-5)
     assert np.all(mw[2:] < 0.02 * mw[0])

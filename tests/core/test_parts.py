@@ -2,6 +2,7 @@
 
 from collections.abc import Generator
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from threading import Event
 
 import pytest
@@ -56,5 +57,75 @@ def test_a_failure_of_what_was_put_off_is_told(shared: Parts) -> None:
         raise ZeroDivisionError(part)
 
     shared.put_off(fails)
+    with pytest.raises(ZeroDivisionError):
+        shared.finish()
+
+
+def test_what_is_handed_over_is_done_meanwhile(shared: Parts) -> None:
+    """The other thread waits for nothing more, and comes back for it."""
+    first, second = Event(), Event()
+
+    def work() -> bool:
+        shared.hand_over(first.set)
+        found = first.wait(LONG_S)
+        shared.hand_over(second.set)
+        # The other may have been about to leave: who hands more over calls it back.
+        while found and not second.is_set():
+            shared.hand_over(lambda: None)
+        return found
+
+    assert shared.beside(work)
+
+
+@pytest.mark.parametrize("is_beside", [False, True])
+def test_works_on_a_part_are_done_in_their_order(shared: Parts, *, is_beside: bool) -> None:
+    """Whether one thread does them beside or several at the end, and whoever puts them off."""
+    done: list[tuple[int, int]] = []
+    happened = Event()
+
+    def put_off(number: int) -> None:
+        shared.put_off(lambda part: done.append((part, number)))
+
+    def work() -> None:
+        for number in range(20):
+            shared.hand_over(partial(put_off, number))
+        shared.hand_over(happened.set)
+        if is_beside:
+            happened.wait(LONG_S)
+        for number in range(20, 40):
+            shared.hand_over(partial(put_off, number))
+
+    if is_beside:
+        shared.beside(work)
+    else:
+        work()
+    shared.finish()
+    for part in range(4):
+        assert [number for one, number in done if one == part] == list(range(40))
+
+
+def test_what_is_handed_over_finds_all_before_it_done(shared: Parts) -> None:
+    done, found = list[int](), list[int]()
+    shared.put_off(done.append)
+    shared.hand_over(lambda: found.append(len(done)))
+    shared.put_off(done.append)
+    shared.hand_over(lambda: found.append(len(done)))
+    shared.finish()
+    assert found == [4, 8]
+    WHOLE.hand_over(lambda: found.append(0))
+    assert found == [4, 8, 0]
+
+
+def test_a_failure_beside_is_told_at_its_end(shared: Parts) -> None:
+    """Of the first part by the other thread, of the rest as all is finished."""
+    begun = Event()
+
+    def fails(part: int) -> None:
+        begun.set()
+        raise ZeroDivisionError(part)
+
+    shared.put_off(fails)
+    with pytest.raises(ZeroDivisionError):
+        shared.beside(lambda: begun.wait(LONG_S))
     with pytest.raises(ZeroDivisionError):
         shared.finish()

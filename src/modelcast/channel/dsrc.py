@@ -5,13 +5,14 @@ newer one takes its place (awareness messages age). There is no acknowledgement,
 growth.
 """
 
+from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import Self
 
 import numpy as np
 
 from modelcast.channel.antennas import antennas, checked_gains
-from modelcast.channel.dsrc_kernels import advance, find_reach
+from modelcast.channel.dsrc_kernels import advance, begin_interval, end_interval, find_reach
 from modelcast.channel.dsrc_link_kernels import Links
 from modelcast.channel.dsrc_parameters import DsrcParameters, power_ratio
 from modelcast.channel.dsrc_station_kernels import BUSY_RATIO, DsrcConstants, silent_station
@@ -22,19 +23,25 @@ from modelcast.channel.frame_radio import (
     asked,
     error_units,
     has_shadowing,
+    receptions_of,
     told_of_fading_twice,
     without_second_fading,
 )
 from modelcast.channel.pair_kernels import Pairs, empty_pairs
 from modelcast.channel.propagation import Propagation
 from modelcast.channel.propagation_kernels import PropagationTables
-from modelcast.channel.radio import Transmissions
+from modelcast.channel.radio import Receptions, Transmissions
 from modelcast.channel.shadow_sweep import renew_pairs
 from modelcast.channel.shadowing_kernels import lay_out
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
 from modelcast.core.parts import Parts
 
 __all__ = ["Dsrc", "DsrcState"]
+
+TOLD_AT = (0.5, 0.9)
+"""Shares of an interval after which receptions are told of, before its end. Who reads them beside has other
+work at first, and what comes last is read by all threads. A host's table is fetched once a span: more of them
+cost more than they hide."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,7 +226,45 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
         parts: Parts,
     ) -> tuple[Heard, DsrcState]:
         """Check what is asked for and carry one interval; the state is used up."""
-        transmissions.check(state.t_s, until_t_s, position_m, state.vehicles, self.parameters.max_power_dbm)
+        return self._carry_spans(state, transmissions, position_m, (until_t_s,), parts)
+
+    def carry_and_tell(  # noqa: PLR0917 - as `carry`, and whom to tell
+        self,
+        state: DsrcState,
+        transmissions: Transmissions,
+        position_m: FloatArray,
+        until_t_s: float,
+        parts: Parts,
+        told: Callable[[Receptions], None],
+    ) -> tuple[Receptions, DsrcState]:
+        """Carry one interval, and tell of receptions as its spans end."""
+        nothing, pieces = np.empty(0, dtype=np.int64), list[Receptions]()
+
+        def tell(who: IntArray, when: FloatArray, outcomes: IntArray) -> None:
+            def give() -> None:
+                pieces.append(receptions_of(Heard(who, when, outcomes, nothing)))
+                told(pieces[-1])
+
+            parts.hand_over(give)
+
+        place_m = np.ascontiguousarray(position_m, dtype=np.float64)
+        length_s = until_t_s - state.t_s
+        stops_s = (*(state.t_s + share * length_s for share in TOLD_AT), until_t_s)
+        heard, after = self._carry_spans(state, transmissions, place_m, stops_s, parts, tell)
+        parts.finish()
+        return Receptions.joined(pieces, outcomes=heard.outcomes, expired=heard.expired), after
+
+    def _carry_spans(  # noqa: PLR0917 - as `advance`, and whom to tell
+        self,
+        state: DsrcState,
+        transmissions: Transmissions,
+        position_m: FloatArray,
+        stops_s: tuple[float, ...],
+        parts: Parts,
+        tell: Callable[[IntArray, FloatArray, IntArray], None] | None = None,
+    ) -> tuple[Heard, DsrcState]:
+        """Carry an interval, halted at some times to tell what was heard, the last of them its end."""
+        transmissions.check(state.t_s, stops_s[-1], position_m, state.vehicles, self.parameters.max_power_dbm)
         sent = asked(transmissions)
         fitted = antennas(state.gain_db)
         reach_m2 = find_reach(
@@ -227,25 +272,35 @@ class Dsrc(AbstractFrameRadio[DsrcState]):
         )
         sweep = lay_out(reach_m2, position_m, fitted.weak, self.constants.range_m)
         pairs = renew_pairs(sweep, Pairs(state.pairs, state.pair_count), state.random[1], self.tables, parts)
-        heard, air = parts.beside(
-            lambda: advance(
-                state.t_s,
-                until_t_s,
-                state.random,
-                state.station,
-                state.message,
-                Links(state.air_receiver, state.air_mw, state.air_flag),
-                sent,
-                sweep,
-                fitted,
-                self.hazard,
-                self.tables,
-                self.constants,
-            )
-        )
+
+        def carried() -> tuple[Heard, Links]:
+            air = Links(state.air_receiver, state.air_mw, state.air_flag)
+            course = begin_interval(state.t_s, state.station, state.message, air, sent, self.constants)
+            for stop_s in stops_s:
+                before = course.received
+                course = advance(
+                    course,
+                    stop_s,
+                    stop_s == stops_s[-1],
+                    state.random,
+                    state.station,
+                    state.message,
+                    sent,
+                    sweep,
+                    fitted,
+                    self.hazard,
+                    self.tables,
+                    self.constants,
+                )
+                if tell is not None:
+                    span, heard = slice(before, course.received), course.heard
+                    tell(heard.who[span], heard.when[span], heard.outcomes)
+            return end_interval(state.station, state.message, course)
+
+        heard, air = parts.beside(carried)
         after = replace(
             state,
-            t_s=until_t_s,
+            t_s=stops_s[-1],
             air_receiver=air.receiver,
             air_mw=air.mw,
             air_flag=air.flag,

@@ -5,6 +5,8 @@ A frame touches the vehicles in range at its beginning and at its end, nobody el
 Times are absolute seconds. There is no propagation delay (1 us is 300 m; a slot is 13 us).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from modelcast.channel.airtime_kernels import SERVICE_TAIL_BITS, frame_airtime
@@ -59,10 +61,29 @@ from modelcast.core.kernel_types import (
     UInt64Vector,
 )
 
-__all__ = ["advance", "find_reach"]
+__all__ = ["advance", "begin_interval", "end_interval", "find_reach"]
 
 READY_EVENT = 2
 """Beside those of the heap: a message becomes ready."""
+
+
+class Course(NamedTuple):
+    """An interval under way: what is ahead, who has which frame on the air, what was heard.
+
+    ``events`` is a heap, of ``ahead``. ``links`` are a pool that is filled in order, up to ``used``, and
+    packed when it is full. ``heard`` holds ``received`` receptions, and ``lapsed`` messages never sent. The
+    next message to become ready is ``arrival``; the next measuring window ends at ``boundary_s``.
+    """
+
+    events: Events
+    ahead: int
+    links: Links
+    used: int
+    heard: Heard
+    received: int
+    lapsed: int
+    arrival: int
+    boundary_s: float
 
 
 @kernel(inlined=True)
@@ -183,34 +204,57 @@ def _events_ahead(station: FloatMatrix, message: IntMatrix) -> tuple[Events, int
 
 
 @kernel
-def advance(
+def begin_interval(
     now_s: float,
-    until_s: float,
-    random: UInt64Vector,
     station: FloatMatrix,
     message: IntMatrix,
     air: Links,
+    asked: Asked,
+    constants: DsrcConstants,
+) -> Course:
+    """Return the course of an interval that begins now, with the links of the frames on the air."""
+    vehicles = station.shape[0]
+    links, used = pack_links(station, message, air, -1, max(16 * vehicles, 4096))
+    events, count = _events_ahead(station, message)
+    boundary_s = (np.floor(now_s / constants.window_s + 1e-9) + 1.0) * constants.window_s
+    heard = nothing_heard(constants.bins, asked.sender.size + vehicles)
+    return Course(events, count, links, used, heard, 0, 0, 0, boundary_s)
+
+
+@kernel
+def end_interval(station: FloatMatrix, message: IntMatrix, course: Course) -> tuple[Heard, Links]:
+    """Return what was heard, and the links of the frames still on the air."""
+    left, _ = pack_links(station, message, course.links, -1, 0)
+    heard, received = course.heard, course.received
+    expired = heard.expired[: course.lapsed].copy()
+    return Heard(heard.who[:received], heard.when[:received], heard.outcomes, expired), left
+
+
+@kernel
+def advance(
+    course: Course,
+    stop_s: float,
+    is_end: bool,
+    random: UInt64Vector,
+    station: FloatMatrix,
+    message: IntMatrix,
     asked: Asked,
     sweep: Sweep,
     antennas: Antennas,
     hazard: FloatVector,
     tables: PropagationTables,
     constants: DsrcConstants,
-) -> tuple[Heard, Links]:
-    """Carry one interval; the arrays of the state are written into.
+) -> Course:
+    """Carry an interval on up to a time, its end or one before; the arrays of the state are written into.
 
-    Returns what was heard, and the links of the frames still on the air.
+    Returns the course from there, whose arrays may be those of the one given. Where an interval was halted
+    changes nothing.
     """
-    vehicles, number = station.shape[0], asked.sender.size
+    number = asked.sender.size
     cells, rows, position_m = sweep.cells, sweep.rows, sweep.position_m
     present = cells.order.size
     near = empty_near(present)
-    heard, received, lapsed = nothing_heard(constants.bins, number + vehicles), 0, 0
-    # Links of the frames on the air: a pool that is filled in order and packed when it is full.
-    links, used = pack_links(station, message, air, -1, max(16 * vehicles, 4096))
-    events, count = _events_ahead(station, message)
-    arrival = 0
-    boundary_s = (np.floor(now_s / constants.window_s + 1e-9) + 1.0) * constants.window_s
+    events, count, links, used, heard, received, lapsed, arrival, boundary_s = course
 
     while True:
         t_s, kind, v = np.inf, -1, -1
@@ -218,10 +262,11 @@ def advance(
             t_s, kind, v = events.times[0], int(events.what[0] & 1), int(events.what[0] >> 1)
         if arrival < number and asked.ready_s[arrival] < t_s:
             t_s, kind, v = asked.ready_s[arrival], READY_EVENT, int(asked.sender[arrival])
-        ends = t_s >= until_s
-        boundary_s = _close_windows(station, boundary_s, until_s + 1e-9 if ends else t_s, constants)
-        if ends:
-            break
+        if t_s >= stop_s:
+            if is_end:
+                boundary_s = _close_windows(station, boundary_s, stop_s + 1e-9, constants)
+            return Course(events, count, links, used, heard, received, lapsed, arrival, boundary_s)
+        boundary_s = _close_windows(station, boundary_s, t_s, constants)
 
         if kind == END_EVENT:
             count = pop_event(events, count)
@@ -277,7 +322,3 @@ def advance(
         reached = find_near(v, sent_ln, rows, position_m, cells, antennas, tables, constants, near)
         find_powers(v, sent_ln, seed, tables, constants, near, reached)
         used = open_links(v, t_s, station, links, used, hazard, constants, heard.outcomes, near, reached)
-
-    left, _ = pack_links(station, message, links, -1, 0)
-    who, when = heard.who[:received].copy(), heard.when[:received].copy()
-    return Heard(who, when, heard.outcomes, heard.expired[:lapsed].copy()), left

@@ -25,6 +25,7 @@ __all__ = [
     "copied",
     "error_units",
     "has_shadowing",
+    "receptions_of",
     "told_of_fading_twice",
     "without_second_fading",
 ]
@@ -49,6 +50,21 @@ def copied(state: Any) -> Any:
 def asked(transmissions: Transmissions) -> Asked:
     """Columns of transmissions as compiled loops take them."""
     return Asked(*(getattr(transmissions, one) for one in Asked._fields))
+
+
+def receptions_of(heard: Heard) -> Receptions:
+    """What a compiled loop heard, in columns of its own."""
+    message_id, sender, receiver = np.ascontiguousarray(heard.who.T)
+    t_s, power_mw = np.ascontiguousarray(heard.when.T)
+    return Receptions(
+        message_id,
+        sender,
+        receiver=receiver,
+        t_s=t_s,
+        rssi_dbm=10.0 * np.log10(power_mw),
+        outcomes=heard.outcomes,
+        expired=heard.expired,
+    )
 
 
 def error_units(error_model: AbstractErrorModel) -> tuple[float, float]:
@@ -128,15 +144,4 @@ class AbstractFrameRadio(AbstractRadio[State]):
         """Carry one interval and use the given state up: faster than `step`."""
         place_m = np.ascontiguousarray(position_m, dtype=np.float64)
         heard, after = self.advance(state, transmissions, place_m, until_t_s, parts)
-        message_id, sender, receiver = np.ascontiguousarray(heard.who.T)
-        t_s, power_mw = np.ascontiguousarray(heard.when.T)
-        receptions = Receptions(
-            message_id,
-            sender,
-            receiver=receiver,
-            t_s=t_s,
-            rssi_dbm=10.0 * np.log10(power_mw),
-            outcomes=heard.outcomes,
-            expired=heard.expired,
-        )
-        return receptions, after
+        return receptions_of(heard), after

@@ -6,6 +6,7 @@ sends. State goes in and comes out; a lost message is an absent reception, count
 """
 
 import abc
+from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from enum import IntEnum
 from typing import Generic, Self, TypeVar
@@ -273,6 +274,23 @@ class Receptions:
             expired=transmissions.message_id[:0],
         )
 
+    @classmethod
+    def joined(cls, pieces: Sequence["Receptions"], *, outcomes: IntArray, expired: IntArray) -> "Receptions":
+        """What arrived in an interval, from what arrived in its spans, one after another.
+
+        Parameters
+        ----------
+        pieces
+            One a span, at least one.
+        outcomes, expired
+            Of the interval.
+        """
+        columns = {
+            name: np.concatenate([getattr(one, name) for one in pieces])
+            for name in ("message_id", "sender", "receiver", "t_s", "rssi_dbm")
+        }
+        return cls(**columns, outcomes=outcomes, expired=expired)
+
     def check(self, vehicles: int, since_s: float = -np.inf) -> None:
         """Refuse what no fleet can take in.
 
@@ -422,6 +440,37 @@ class AbstractRadio(abc.ABC, Generic[State]):
         """
         del parts
         return self.step(state, transmissions, position_m, until_t_s)
+
+    def carry_and_tell(  # noqa: PLR0917 - as `carry`, and whom to tell
+        self,
+        state: State,
+        transmissions: Transmissions,
+        position_m: FloatArray,
+        until_t_s: float,
+        parts: Parts,
+        told: Callable[[Receptions], None],
+    ) -> tuple[Receptions, State]:
+        """Carry one interval like `carry`, and tell of receptions as they come: hosts may read them beside.
+
+        Parameters
+        ----------
+        state
+            Do not use it again.
+        transmissions, position_m, until_t_s, parts
+            As for `carry`.
+        told
+            Given receptions of one span of the interval after another, which together are those returned.
+            Of a span, ``outcomes`` and ``expired`` say nothing. Called in any thread of the parts; it may put
+            work off to them, and all of it is done before this returns.
+
+        Notes
+        -----
+        A radio that carries the interval as one tells of all at its end.
+        """
+        received, after = self.carry(state, transmissions, position_m, until_t_s, parts)
+        told(received)
+        parts.finish()
+        return received, after
 
     @abc.abstractmethod
     def channel_busy_ratio(self, state: State) -> FloatArray:

@@ -38,6 +38,7 @@ from modelcast.channel.sidelink_parameters import (
     COUNTER,
     COUNTERS,
     MEMORY,
+    STEP,
     SidelinkParameters,
 )
 from modelcast.channel.sidelink_selection_kernels import SidelinkConstants
@@ -62,7 +63,8 @@ class SidelinkState:
     power_dbm
         Power of the waiting message, (V,) [dBm].
     sensed
-        S-RSSI of the last 1000 subframes, infinite where the vehicle sent, (1000, V, sub-channels) [mW].
+        S-RSSI of the last 1000 subframes, infinite where the vehicle sent, (100, V, 10 sub-channels) [mW]:
+        those 100 subframes apart lie side by side, since they are averaged.
     reserved
         Power of an element of the strongest reservation by phase of the longest interval, (interval, V,
         sub-channels); one that excludes nothing may be left out [mW].
@@ -214,7 +216,7 @@ class Sidelink(AbstractFrameRadio[SidelinkState]):
             random,
             grant=grant,
             power_dbm=np.zeros(vehicles),
-            sensed=np.full((MEMORY, vehicles, p.sub_channels), quiet_mw, dtype=np.float32),
+            sensed=np.full((STEP, vehicles, MEMORY // STEP * p.sub_channels), quiet_mw, dtype=np.float32),
             reserved=np.zeros((p.horizon_ms, vehicles, p.sub_channels), dtype=np.float32),
             busy=np.zeros((vehicles, 2), dtype=np.int64),
             busy_ratio=np.zeros(vehicles),

@@ -57,7 +57,7 @@ from modelcast.channel.sidelink_grant_kernels import (
     is_foreseen,
     wants_one_shot,
 )
-from modelcast.channel.sidelink_parameters import MEMORY
+from modelcast.channel.sidelink_parameters import MEMORY, STEP
 from modelcast.channel.sidelink_selection_kernels import SidelinkConstants, select_resource
 from modelcast.core.kernel import kernel
 from modelcast.core.kernel_types import (
@@ -272,12 +272,14 @@ def _remember(
     subframe: int, count: int, turns: Turns, memory: Memory, air: Air, constants: SidelinkConstants
 ) -> None:
     """Keep what everybody sensed; what was reserved in this phase has come."""
-    sensed, power = memory.sensed[subframe % MEMORY], air.power
+    sensed, power = memory.sensed[subframe % STEP], air.power
+    channels = power.shape[1]
+    first = subframe % MEMORY // STEP * channels
     for v in range(power.shape[0]):
-        for s in range(power.shape[1]):
-            sensed[v, s] = sensed_mw(power[v, s], constants.pool)
+        for s in range(channels):
+            sensed[v, first + s] = sensed_mw(power[v, s], constants.pool)
     for turn in range(count):
-        sensed[turns.who[turn, 0], :] = np.inf
+        sensed[turns.who[turn, 0], first : first + channels] = np.inf
     memory.reserved[subframe % constants.horizon] = 0.0
 
 

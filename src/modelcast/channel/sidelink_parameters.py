@@ -13,6 +13,7 @@ __all__ = [
     "COUNTER",
     "COUNTERS",
     "MEMORY",
+    "STEP",
     "SidelinkParameters",
     "j3161_sidelink_parameters",
     "wilab_sidelink_parameters",
@@ -43,7 +44,8 @@ COUNTER = (5, 15)
 """Bounds of the reselection counter by reservation interval [ms], and from 100 ms on; TS 36.321, 5.14.1.1."""
 
 MEMORY = 1000
-"""Subframes of the sensing window; TS 36.213, 14.1.1.6."""
+STEP = 100
+"""Subframes of the sensing window, and how far apart those are that are averaged; TS 36.213, 14.1.1.6."""
 
 _MOST_SUB_CHANNELS, _MOST_BLOCKS = 20, 100
 """Largest numSubchannel of TS 36.331, from memory, and the resource-block pairs of 20 MHz."""

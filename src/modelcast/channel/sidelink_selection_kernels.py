@@ -6,14 +6,11 @@ import numpy as np
 
 from modelcast.channel.pool_constants import PoolConstants
 from modelcast.channel.random_kernels import uniform
-from modelcast.channel.sidelink_parameters import MEMORY
+from modelcast.channel.sidelink_parameters import MEMORY, STEP
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import Float32Cube, IntVector, UInt64Vector
+from modelcast.core.kernel_types import Float32Cube, Float32Vector, FloatMatrix, IntVector, UInt64Vector
 
 __all__ = ["SidelinkConstants", "select_resource"]
-
-_STEP = 100
-"""Power is averaged over subframes at this distance; TS 36.213, 14.1.1.6."""
 
 _COPY_GAP = 15
 """Most subframes between the two copies of a message; TS 36.213, 14.1.1.4C and 14.1.1.7."""
@@ -47,14 +44,28 @@ class SidelinkConstants(NamedTuple):
 
 
 @kernel(inlined=True)
-def _strongest(v: int, subframe: int, s: int, interval: int, reserved: Float32Cube) -> float:
-    """Return the strongest reservation of a sub-channel that a resource and its returns would meet."""
+def _add_past(v: int, begin: int, sensed: Float32Cube, past: FloatMatrix) -> None:
+    """Add up what a vehicle sensed in the phases of subframes, a second long, in each sub-channel."""
+    channels = past.shape[1]
+    for n in range(past.shape[0]):
+        phase = (begin + n) % sensed.shape[0]
+        for k in range(0, sensed.shape[2], channels):
+            for s in range(channels):
+                past[n, s] += sensed[phase, v, k + s]
+
+
+@kernel(inlined=True)
+def _find_strongest(v: int, at: int, interval: int, reserved: Float32Cube, strongest: Float32Vector) -> None:
+    """Write the strongest reservations that a subframe and its returns would meet, by sub-channel."""
     horizon = reserved.shape[0]
-    rsrp = reserved[subframe % horizon, v, s]
+    phase = at % horizon
+    for s in range(strongest.size):
+        strongest[s] = reserved[phase, v, s]
     if interval > 0:
-        for later in range(subframe + interval, subframe + horizon, interval):
-            rsrp = max(rsrp, reserved[later % horizon, v, s])
-    return rsrp
+        for later in range(at + interval, at + horizon, interval):
+            phase = later % horizon
+            for s in range(strongest.size):
+                strongest[s] = max(strongest[s], reserved[phase, v, s])
 
 
 @kernel(inlined=True)
@@ -97,20 +108,16 @@ def select_resource(
     bands = (channels - length) // step + 1
     subframes = constants.last - constants.first + 1
     total = subframes * bands
-    past = np.zeros((subframes, channels))
-    for k in range(1, MEMORY // _STEP + 1):
-        for n in range(subframes):
-            at = (now + constants.first + n - _STEP * k) % MEMORY
-            for s in range(channels):
-                past[n, s] += sensed[at, v, s]
-    mean = np.empty(total)
-    strongest = np.empty(total)
-    share = 1.0 / (MEMORY // _STEP * constants.pool.elements)
+    past, taken = np.zeros((subframes, channels)), np.empty(channels, dtype=np.float32)
+    _add_past(v, now + constants.first, sensed, past)
+    mean, strongest = np.empty(total), np.empty(total)
+    share = 1.0 / (MEMORY // STEP * constants.pool.elements)
     for n in range(subframes):
+        _find_strongest(v, now + constants.first + n, interval, reserved, taken)
         for b in range(bands):
             power, rsrp, loudest = 0.0, 0.0, 0.0
             for s in range(b * step, b * step + length):
-                rsrp = max(rsrp, _strongest(v, now + constants.first + n, s, interval, reserved))
+                rsrp = max(rsrp, taken[s])
                 loudest = max(loudest, past[n, s] * share)
                 power += past[n, s]
             # A part in a million of chance decides between resources that are equally quiet.
@@ -131,7 +138,8 @@ def select_resource(
         pick = int(uniform(random) * total)
     else:
         if chosen.size > wanted and not blind:
-            chosen = chosen[np.argsort(mean[chosen])[:wanted]]
+            quietest = mean[chosen]
+            chosen = chosen[quietest <= np.partition(quietest, wanted - 1)[wanted - 1]]
         pick = chosen[int(uniform(random) * chosen.size)]
         if constants.copies > 1:
             second = _second(chosen, pick, bands, random)

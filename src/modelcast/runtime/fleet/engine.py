@@ -10,6 +10,7 @@ import numpy as np
 from modelcast.channel.radio import AbstractRadio
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.runtime.fleet.arrays import Tally
+from modelcast.runtime.fleet.coming import with_next
 from modelcast.runtime.fleet.loop import FleetLoop
 from modelcast.runtime.fleet.mix import Mix
 from modelcast.runtime.fleet.mixed import GroupRun, MixedTally
@@ -94,7 +95,8 @@ def run_network(
     Parameters
     ----------
     frames
-        Frames of one run, `NetworkSettings.dt_s` apart.
+        Frames of one run, `NetworkSettings.dt_s` apart. Several threads take one ahead of its step, unless
+        somebody looks on.
     sender
         What every vehicle sends, and when; or who sends and reads how.
     radio
@@ -153,13 +155,15 @@ def run_network(
     a_second = max(1, round(1.0 / chosen.dt_s))
     outcomes: IntArray | None = None
     expired, series, recent = 0, list[FloatArray](), list[IntArray]()
-    for number, frame in enumerate(chain([first], pending)):
+    # Who looks on sees a fleet that knows nothing of the next frame.
+    every = with_next(chain([first], pending), are_told=observer is None and loop.senses_ahead)
+    for number, (frame, coming) in enumerate(every):
         if number == warm_up:
             loop.forget_counts()
             outcomes, expired = None, 0
         if observer is not None and number:
             observer.before(loop, frame)
-        received, row = loop.step(frame)
+        received, row = loop.step(frame, coming)
         if observer is not None:
             observer.after(loop, frame)
         outcomes = received.outcomes.copy() if outcomes is None else outcomes + received.outcomes

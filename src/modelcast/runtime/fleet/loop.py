@@ -11,6 +11,7 @@ works on them, so that the number of threads changes nothing.
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -32,18 +33,19 @@ from modelcast.runtime.fleet.arrays import (
 from modelcast.runtime.fleet.belief_words_kernels import Tracking
 from modelcast.runtime.fleet.believed import Believed, believe, check_slots, pairs_of
 from modelcast.runtime.fleet.believed_kernels import Readers
+from modelcast.runtime.fleet.coming import Coming, begins_of, measured_of, staying
+from modelcast.runtime.fleet.hearing import Hearing, check_receptions
 from modelcast.runtime.fleet.mix import Draw, Mix
 from modelcast.runtime.fleet.mixed import MixedTally, mixed_tally, pooled_mixed, within
 from modelcast.runtime.fleet.people import Devices, People, PeopleRun
-from modelcast.runtime.fleet.reception_kernels import Heard, HearingLimits
+from modelcast.runtime.fleet.reception_kernels import HearingLimits
 from modelcast.runtime.fleet.roadside import Roadside, RoadsideUnits, with_slots
+from modelcast.runtime.fleet.room import capacity_of, speakers_of, sub_intervals_of
 from modelcast.runtime.fleet.settings import NetworkSettings
-from modelcast.runtime.fleet.speakers import Hosts, Speakers
+from modelcast.runtime.fleet.speakers import Hosts
 from modelcast.station.arrays import MEASURED
 from modelcast.station.banks import BASELINE_BANK, free_bank
 from modelcast.station.policy import j2945_kernels
-from modelcast.station.policy.j2945 import J2945
-from modelcast.station.policy.j2945_parameters import J2945Parameters
 from modelcast.station.policy.neighbours import neighbour_tables
 from modelcast.station.policy.policy_numbers import RULE_J2945
 from modelcast.station.receiver.reading import Reading, free_rule, goes_straight
@@ -85,8 +87,6 @@ PARTS = 8
 _UNIT = 2**31 - 1
 """Number of the first roadside unit where vehicles have their identifiers; the others' count down from it."""
 
-_STEP_SLACK_S = 1e-6
-_SPARE_SLOTS = 64
 
 _RING_STEPS = MESSAGES_KEPT // 2 - 1
 """Steps within which no ring of messages comes round: a station sends two in a step at most."""
@@ -135,6 +135,7 @@ class FleetLoop:
     """
 
     _exchange: Exchange | None
+    _ahead: Coming | None
 
     def __init__(
         self,
@@ -178,7 +179,9 @@ class FleetLoop:
         # A part begins with the first slot of a group of `SentTally`.
         edges = [-(-moving * part // self._work.number) for part in range(self._work.number + 1)]
         self._parts = list(pairwise(edges))
-        self.speakers = _speakers(self.senders, settings, phase, self._parts, sensing, seed=seed)
+        self.speakers = speakers_of(
+            self.senders, settings, phase, parts=self._parts, groups=PARTS, sensing=sensing, seed=seed
+        )
         self._ready = ReadyBank.joined([one.bank.ready for one in self.speakers])
         self._members = self._ready.members
         shared = len(self.speakers) == 1 and self.units is None
@@ -190,11 +193,11 @@ class FleetLoop:
         self._draw = None if self.mix.is_one else Draw(self.mix, seed)
         columns = message_arrays.BELIEF_COLUMNS if self.mix.is_one else mixed_kernels.COLUMNS
         self.contents = contents(vehicles, max(one.widest for one in self.speakers), beliefs=columns)
-        capacity = _capacity(first, settings, self.devices)
+        capacity = capacity_of(first, settings, self.devices)
         self.tables = neighbour_tables(
             vehicles,
             capacity,
-            sub_intervals=max(_sub_intervals(one) for one in self.senders),
+            sub_intervals=max(sub_intervals_of(one) for one in self.senders),
             phase_s=phase * 1.0,
         )
         self.tracks = tracks(vehicles, capacity)
@@ -207,7 +210,12 @@ class FleetLoop:
         if sensor is not None:
             self._sensor_state = sensor.init(moving, child_generator(seed, "sensor"))
         self._counted, self._nobody = np.ones(vehicles, dtype=np.bool_), np.zeros(vehicles, dtype=np.bool_)
-        self.number, self._last_s, self._exchange = 0, -np.inf, None
+        self.number, self._last_s, self._exchange, self._ahead = 0, -np.inf, None, None
+
+    @property
+    def _hears_beside(self) -> bool:
+        """Whether hosts hear beside the radio; what units repeat and devices read is known after it."""
+        return self._work.pool is not None and self.units is None and self.devices is None
 
     @property
     def stations(self) -> SendingStations:
@@ -244,18 +252,27 @@ class FleetLoop:
         """Sub-models of all senders, by the numbers in contents (`CONTENT_MEMBER`)."""
         return tuple(member.name for one in self.speakers for member in one.bank.bank.members)
 
-    def step(self, frame: FleetFrame) -> tuple[Receptions, FloatArray]:
+    @property
+    def senses_ahead(self) -> bool:
+        """Whether a step has a use for the frame that comes next."""
+        return self._hears_beside and not any(one.knows_road for one in self.speakers)
+
+    def step(self, frame: FleetFrame, coming: FleetFrame | None = None) -> tuple[Receptions, FloatArray]:
         """Carry one step; returns what was received in it, and its row of `SERIES`.
 
         Parameters
         ----------
         frame
             The truth, one step after the last.
+        coming
+            The frame that the next step will be given: where the fleet `senses_ahead`, vehicles measure it
+            beside the radio, and `own_motion` is then that at it. None where it is not there yet; what is
+            carried and counted is the same.
 
         Raises
         ------
         ValueError
-            Where the frame is not one step later.
+            Where the frame is not one step later, or another one than was to come.
         """
         settings = self.settings
         dt_s, t_s = settings.dt_s, frame.t_s
@@ -265,9 +282,10 @@ class FleetLoop:
             )
         # The radio's clock counts steps, so that both ends of every interval are the same numbers.
         now_s, until_s = round(self.number * dt_s, 6), round((self.number + 1) * dt_s, 6)
-        seen = frame
-        if self._sensor is not None and self._sensor_state is not None:
-            seen, self._sensor_state = self._sensor.sense(self._sensor_state, frame)
+        ahead, self._ahead = self._ahead, None
+        if ahead is not None and ahead.frame is not frame:
+            raise ValueError(f"the frame at {ahead.frame.t_s} s was to come, got another one at {t_s} s")
+        seen = self._see(frame) if ahead is None else ahead.seen
         if self.devices is not None and self.devices.place(frame, self.vehicle.size):
             self._radio_state = self.radio.fit_antennas(self._radio_state, self.devices.gains_db())
             self._speaker[:] = self.devices.person
@@ -275,7 +293,7 @@ class FleetLoop:
         before = self.sent.total
         busy_ratio = _busy_ratio(self.radio, self._radio_state, self.vehicle.size)
         truth_m = np.where(frame.active[:, None], frame.position_m, np.nan)
-        started = self._sense(frame, seen)
+        started = self._sense(frame, seen, None if ahead is None else ahead.taken)
         if settings.counted_m is not None:
             low_m, high_m = settings.counted_m
             self._counted = (frame.position_m[:, 0] >= low_m) & (frame.position_m[:, 0] <= high_m)
@@ -285,14 +303,36 @@ class FleetLoop:
             self._counted[self.units.slots] = True
             self._track_units(self.units, truth_m, t_s)
         self._send(started, t_s, busy_ratio)
+        if coming is not None and self.senses_ahead:
+            self._work.hand_over(partial(self._sense_ahead, coming))
         received = self._carry(truth_m, (now_s, until_s), now_s - t_s, busy_ratio)
         self._work.finish()
-        self._hear(received, truth_m)
+        if not self._hears_beside:
+            self._hear(received, truth_m)
         self.number += 1
         self._last_s = t_s
         return received, self._series_row(frame, busy_ratio, before, received)
 
-    def _sense(self, frame: FleetFrame, seen: FleetFrame) -> BoolArray:
+    def _see(self, frame: FleetFrame) -> FleetFrame:
+        """What vehicles see of a frame, the next one."""
+        if self._sensor is None or self._sensor_state is None:
+            return frame
+        seen, self._sensor_state = self._sensor.sense(self._sensor_state, frame)
+        return seen
+
+    def _sense_ahead(self, coming: FleetFrame) -> None:
+        """Take measurements of the next frame in, of those who stay."""
+        seen, taken = self._see(coming), staying(self.vehicle, coming)
+        self._ahead = Coming(coming, seen, taken)
+        measured = measured_of(seen), begins_of(coming)
+
+        def work(part: int) -> None:
+            for one in self.speakers:
+                one.sense_ahead(part, coming.t_s, measured, taken)
+
+        self._work.put_off(work)
+
+    def _sense(self, frame: FleetFrame, seen: FleetFrame, taken: BoolArray | None) -> BoolArray:
         """Take measurements in and let new vehicles begin anew; returns whose slot has one, (V,)."""
         started = frame.active & (self.vehicle != frame.vehicle_id)
         self.vehicle[:] = np.where(frame.active, frame.vehicle_id, -1)
@@ -305,9 +345,7 @@ class FleetLoop:
         one = len(self.speakers) == 1
         self._members = self.stations.models.members if one else self._ready.members
         reception_kernels.clear_hosts(started, self.tables, self.tracks)
-        columns = (seen.speed_mps, seen.heading_rad, seen.acceleration_mps2, seen.yaw_rate_radps)
-        measured = np.column_stack((seen.position_m, *columns))
-        begins = np.zeros(len(frame), dtype=np.bool_) if frame.begins is None else frame.begins
+        measured = measured_of(seen), begins_of(frame)
         hosts = Hosts(
             self._members,
             self.expiry_s,
@@ -320,9 +358,13 @@ class FleetLoop:
 
         def work(part: int) -> None:
             for one in self.speakers:
-                one.sense(part, frame, measured, begins, hosts)
+                one.sense(part, frame.t_s, measured, hosts, taken)
 
-        self._work.each(work)
+        if taken is None:
+            self._work.each(work)
+        else:  # few are left
+            for part in range(len(self._parts)):
+                work(part)
         return started
 
     def _shown(self, columns: int | slice) -> FloatArray:
@@ -490,13 +532,24 @@ class FleetLoop:
         )
         if self.units is not None:
             batch = self.units.add(batch, truth_m, now_s, until_s)
-        received, self._radio_state = self.radio.carry(self._radio_state, batch, truth_m, until_s, self._work)
-        _check_receptions(received, self.vehicle.size, now_s, self.radio)
+        given = (self._radio_state, batch, truth_m, until_s, self._work)
+        vehicles, name = self.vehicle.size, type(self.radio).__name__
+        if self._hears_beside:
+            hearing = self._hearing(truth_m)
+
+            def told(some: Receptions) -> None:
+                check_receptions(some, vehicles, now_s, name)
+                self._work.put_off(hearing.taking(_later(some, -shift_s), self._parts, self._tallies))
+
+            received, self._radio_state = self.radio.carry_and_tell(*given, told)
+        else:
+            received, self._radio_state = self.radio.carry(*given)
+            check_receptions(received, vehicles, now_s, name)
         if self.units is not None:
             received = self.units.hear(received, busy_ratio[self.units.slots])
         if shift_s != 0.0:
-            received = replace(received, t_s=received.t_s - shift_s)
             batch = replace(batch, ready_s=batch.ready_s - shift_s, next_s=batch.next_s - shift_s)
+        received = _later(received, -shift_s)
         self._exchange = Exchange(batch, received)
         return received
 
@@ -514,53 +567,32 @@ class FleetLoop:
         number = np.concatenate([box.message_id[:count] for box, count in each]) >> SENDER_BITS
         return messages_of(own.stations, self.contents, slot, number)
 
-    def _hear(self, received: Receptions, truth_m: FloatArray) -> None:
-        """Let hosts take in what they heard."""
-        vehicle, seen_m = self.vehicle, self._places(truth_m)
-        if self.devices is not None:
-            received = self.devices.read(received, seen_m, self.contents.rows)
-        receiver = owned(received.receiver, np.int64)
-        start, order = np.zeros(vehicle.size + 1, dtype=np.int64), np.empty(receiver.size, dtype=np.int64)
-        reception_kernels.by_host(receiver, start, order)
-        heard = Heard(
-            message_id=owned(received.message_id, np.int64),
-            received_s=owned(received.t_s),
-            order=order,
-            start=start,
-            vehicle=vehicle,
-            seen_m=seen_m,
+    def _hearing(self, truth_m: FloatArray) -> Hearing:
+        """The hosts of this step."""
+        return Hearing(
+            HearingLimits(
+                self.settings.reach_m, self.expiry_s, _SUB_INTERVAL_S, self.settings.distance_bin_m
+            ),
+            tables=self.tables,
+            tracks=self.tracks,
+            contents=self.contents,
+            vehicle=self.vehicle,
+            seen_m=self._places(truth_m),
             truth_m=truth_m,
             reading=self.reading,
             counted=self._counted,
-            is_copy=owned(received.sender >= self.vehicle.size - self._fixed, np.bool_),
-        )
-        limits = HearingLimits(
-            self.settings.reach_m, self.expiry_s, _SUB_INTERVAL_S, self.settings.distance_bin_m
+            first_unit=self.vehicle.size - self._fixed,
         )
 
-        def work(part: int) -> None:
-            reception_kernels.hear_messages(
-                heard,
-                limits,
-                self.tables,
-                self.contents.rows,
-                self.tracks,
-                self._tallies[part],
-                *self._parts[part],
-            )
-
-        self._work.each(work)
+    def _hear(self, received: Receptions, truth_m: FloatArray) -> None:
+        """Let hosts take in what they heard."""
+        hearing = self._hearing(truth_m)
+        if self.devices is not None:
+            received = self.devices.read(received, hearing.seen_m, self.contents.rows)
+        self._work.each(hearing.taking(received, self._parts, self._tallies))
         if self.units is not None:
-            reception_kernels.hear_messages(
-                heard,
-                limits,
-                self.tables,
-                self.contents.rows,
-                self.tracks,
-                self.units.tally,
-                self.units.slots.start,
-                self.units.slots.stop,
-            )
+            slots = self.units.slots
+            hearing.taking(received, [(slots.start, slots.stop)], [self.units.tally])(0)
 
     def believed(
         self,
@@ -691,50 +723,6 @@ class FleetLoop:
 _HEADING = MEASURED - 3
 
 
-def _speakers(
-    senders: tuple[Sender, ...],
-    settings: NetworkSettings,
-    phase: FloatArray,
-    parts: list[tuple[int, int]],
-    sensing: Sensing | None,
-    *,
-    seed: int,
-) -> list[Speakers]:
-    """One group a sender; what stations hold of their messages is that of their slots, whoever is there."""
-    found: list[Speakers] = []
-    first = 0
-    for sender in senders:
-        shared = found[0].stations.senders if found else None
-        found.append(
-            Speakers(
-                sender, settings, phase,
-                parts=parts, groups=PARTS, sensing=sensing, first_member=first, shared=shared,
-                rng=child_generator(seed, "policy", len(found)),
-            )
-        )  # fmt: skip
-        first += len(found[-1].bank.bank.members)
-    return found
-
-
-def _sub_intervals(sender: Sender) -> int:
-    """Sub-intervals that the sender's rule counts packet errors over."""
-    rule = sender.policy
-    return (rule.parameters if isinstance(rule, J2945) else J2945Parameters()).sub_intervals
-
-
-def _capacity(first: FleetFrame, settings: NetworkSettings, devices: Devices | None) -> int:
-    """Slots of a host: half as many again as the fullest has in reach at first, and some.
-
-    Where slots are empty at first, as in traffic that comes and goes, as many more as if all were taken.
-    """
-    place = np.where(first.active[:, None], first.position_m, np.nan)
-    near = tracking_kernels.most_in_reach(place, settings.reach_m)
-    if devices is not None:
-        near = min(near, devices.most_in_reach(first))
-    most = near * len(first) / max(first.active.sum(), 1)
-    return int(min(len(first) + _SPARE_SLOTS, int(1.5 * most) + _SPARE_SLOTS, 2**15 - 1))
-
-
 def _busy_ratio(radio: AbstractRadio[Any], state: Any, vehicles: int) -> FloatArray:
     """The busy ratio that a radio measured; refused where it is not one a vehicle."""
     found = radio.channel_busy_ratio(state)
@@ -745,14 +733,6 @@ def _busy_ratio(radio: AbstractRadio[Any], state: Any, vehicles: int) -> FloatAr
     return found
 
 
-def _check_receptions(received: Receptions, vehicles: int, since_s: float, radio: AbstractRadio[Any]) -> None:
-    """Refuse receptions that hosts cannot look up."""
-    try:
-        received.check(vehicles, since_s)
-    except ValueError as error:
-        raise ValueError(f"{type(radio).__name__}: {error}") from error
-    unknown = (received.message_id & ((1 << SENDER_BITS) - 1)) >= vehicles
-    if unknown.any():
-        raise ValueError(
-            f"{type(radio).__name__}: message {int(received.message_id[unknown][0])} was never sent"
-        )
+def _later(received: Receptions, shift_s: float) -> Receptions:
+    """The same so much later."""
+    return received if shift_s == 0.0 else replace(received, t_s=received.t_s + shift_s)

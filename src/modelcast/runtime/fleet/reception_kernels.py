@@ -55,6 +55,9 @@ __all__ = ["Heard", "HearingLimits", "by_host", "clear_hosts", "hear_messages"]
 _LINE = 64
 """Bytes of a cache line."""
 
+_FEW = 8
+"""A host that hears fewer than one in so many of its neighbours finds their tracks one by one."""
+
 _TOUCHED = TRACK_COLUMNS
 """Where in the scratch row a number goes that means nothing."""
 
@@ -225,7 +228,8 @@ def _hear_each(
     for host in range(first, end):
         if heard.start[host] == heard.start[host + 1]:
             continue
-        scratch[_TOUCHED] = _touch_host(host, tables, tracks)
+        if _FEW * (heard.start[host + 1] - heard.start[host]) >= tables.hosts[host].used:
+            scratch[_TOUCHED] = _touch_host(host, tables, tracks)
         scratch[_TOUCHED] += _touch_messages(heard, host, rows, messages, times_s)
         for at in range(heard.start[host], heard.start[host + 1]):
             k = heard.order[at]

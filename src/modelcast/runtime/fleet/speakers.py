@@ -133,8 +133,18 @@ class Speakers:
         if self._knowledge is not None:
             self._knowledge.forget(started)
 
+    @property
+    def knows_road(self) -> bool:
+        """Whether vehicles know of the road and of who is ahead: by what they heard, so not ahead of it."""
+        return self._knowledge is not None
+
     def sense(
-        self, part: int, frame: FleetFrame, measured: FloatArray, begins: BoolArray, hosts: "Hosts"
+        self,
+        part: int,
+        t_s: float,
+        measured: tuple[FloatArray, BoolArray],
+        hosts: "Hosts",
+        taken: BoolArray | None,
     ) -> None:
         """Take measurements of a part in.
 
@@ -142,23 +152,52 @@ class Speakers:
         ----------
         part
             Its number.
-        frame
-            The truth.
+        t_s
+            When they were made [s].
         measured
-            What vehicles see, (V, MEASURED).
-        begins
-            Where measurements begin anew, (V,).
+            What vehicles see, (V, MEASURED), and where measurements begin anew, (V,).
         hosts
             What the hosts of the fleet hold, for those who follow the vehicle ahead.
+        taken
+            Whose are taken in already, (V,); None for nobody's.
         """
-        stations = self.stations
         first, end = self._parts[part]
-        here: IntArray = first + np.flatnonzero(stations.senders.vehicle[first:end] >= 0)
-        times = np.full(here.size, frame.t_s)
-        sense(stations.sensed, here, times, measured[here], begins[here], self._sensing)
+        due = self.stations.senders.vehicle[first:end] >= 0
+        here: IntArray = first + np.flatnonzero(due if taken is None else due & ~taken[first:end])
+        if here.size == 0:
+            return
+        self._take(here, t_s, measured)
         if self._knowledge is not None:
-            self._know(self._knowledge, here, frame.t_s, hosts)
-        observe_newest(stations.models.members, stations.sensed, here)
+            self._know(self._knowledge, here, t_s, hosts)
+        observe_newest(self.stations.models.members, self.stations.sensed, here)
+
+    def sense_ahead(
+        self, part: int, t_s: float, measured: tuple[FloatArray, BoolArray], whose: BoolArray
+    ) -> None:
+        """Take measurements of the next frame in, of vehicles of a part that are there now.
+
+        Parameters
+        ----------
+        part, t_s, measured
+            As for `sense`.
+        whose
+            Slots, (V,).
+
+        Notes
+        -----
+        Not where they know of the road (`knows_road`).
+        """
+        first, end = self._parts[part]
+        there = self.stations.senders.vehicle[first:end] >= 0
+        here: IntArray = first + np.flatnonzero(there & whose[first:end])
+        self._take(here, t_s, measured)
+        observe_newest(self.stations.models.members, self.stations.sensed, here)
+
+    def _take(self, here: IntArray, t_s: float, measured: tuple[FloatArray, BoolArray]) -> None:
+        """Take the measurements of some slots in."""
+        seen, begins = measured
+        times = np.full(here.size, t_s)
+        sense(self.stations.sensed, here, times, seen[here], begins[here], self._sensing)
 
     def _know(self, knowledge: Knowledge, here: IntArray, t_s: float, hosts: "Hosts") -> None:
         """Write what vehicles know of the road and of who is ahead behind what they measured."""

@@ -126,24 +126,29 @@ def speaking_lanes(
             lanes.append(_Lane(replace(policy, start="order") if guarded else policy))
         vehicle += [own] * (len(lanes) - len(vehicle))
         speaks.append(len(lanes) - 1)
-    codes = [lane.policy.codes for lane in lanes]
+    # Thousands of senders share a policy: what follows from it is worked out once.
+    known = {id(lane.policy): lane.policy for lane in lanes}
+    row_of = {one: row for row, one in enumerate(known)}
+    of = np.array([row_of[id(lane.policy)] for lane in lanes], dtype=np.int64)
+    each = list(known.values())
+    codes = [policy.codes for policy in each]
     rules = LaneRules(
         vehicle=np.array(vehicle, dtype=np.int64),
-        threshold_m=np.array([code[0] for code in codes]),
-        silence_s=np.array([code[1] for code in codes]),
-        start=np.array([lane.policy.start_code for lane in lanes], dtype=np.int64),
-        identify=np.array([code[2] for code in codes], dtype=np.int64),
-        costs=_rows([code[3] for code in codes]),
-        selector=_rows([_selecting(lane.policy, selector, dt_s) for lane in lanes]),
+        threshold_m=np.array([code[0] for code in codes])[of],
+        silence_s=np.array([code[1] for code in codes])[of],
+        start=np.array([policy.start_code for policy in each], dtype=np.int64)[of],
+        identify=np.array([code[2] for code in codes], dtype=np.int64)[of],
+        costs=_rows([code[3] for code in codes])[of],
+        selector=_rows([_selecting(policy, selector, dt_s) for policy in each])[of],
         only=np.array([lane.only for lane in lanes], dtype=np.int64),
         speaker=np.array([lane.speaker for lane in lanes], dtype=np.int64),
         bank=np.array([lane.bank for lane in lanes], dtype=np.int64),
         guards=np.array([lane.guards for lane in lanes], dtype=np.int64),
-        expects=np.array([lane.policy.expects for lane in lanes], dtype=np.bool_),
-        loss=np.array([lane.policy.believed_loss for lane in lanes]),
-        budget=np.array([lane.policy.budget for lane in lanes]),
-        approach_m=np.array([lane.policy.approach_m for lane in lanes], dtype=np.float64),
-        legacy_m=np.array([lane.policy.legacy_threshold_m for lane in lanes], dtype=np.float64),
+        expects=np.array([policy.expects for policy in each], dtype=np.bool_)[of],
+        loss=np.array([policy.believed_loss for policy in each])[of],
+        budget=np.array([policy.budget for policy in each])[of],
+        approach_m=np.array([policy.approach_m for policy in each], dtype=np.float64)[of],
+        legacy_m=np.array([policy.legacy_threshold_m for policy in each], dtype=np.float64)[of],
         within_m=within_m,
     )
     return SpeakingLanes(rules, np.array(speaks, dtype=np.int64))
