@@ -22,7 +22,7 @@ from modelcast.io.trips import read_trips
 
 TEXT = (
     *("spmd-bsm", "spmd-wsu", "spmd-hv", "openacc", "nyc-cvpd", "nmea", "smartloc", "kitti-poses"),
-    *("highd", "ind", "sumo-fcd", "gpx", "csv"),
+    *("highd", "ind", "sumo-fcd", "gpx", "interaction", "ngsim", "ode-bsm", "cv-pilot", "csv"),
 )
 ENDS = (b"\n", b"\r\n", b"\r", b"\r\r\n", b"\n\n")
 
@@ -91,6 +91,11 @@ def nyc_rows(content: bytes) -> int:
     return len(json.loads(content)["bsmList"])
 
 
+def ode_rows(content: bytes) -> int:
+    """Objects: one a line, or more where a line end was lost."""
+    return len(filled_lines(content)) + len(re.findall(rb'\}\{"metadata"', content))
+
+
 def all_rows(content: bytes) -> int:
     return len(filled_lines(content))
 
@@ -127,7 +132,8 @@ def nmea_rows(content: bytes) -> tuple[int, int]:
 ROWS: dict[str, Callable[[bytes], int]] = {
     "spmd-bsm": spmd_rows, "spmd-wsu": spmd_rows, "spmd-hv": spmd_rows, "nyc-cvpd": nyc_rows,
     "smartloc": all_rows, "kitti-poses": all_rows, "gpx": gpx_rows, "highd": table_rows,
-    "ind": table_rows, "sumo-fcd": fcd_rows, "csv": table_rows,
+    "ind": table_rows, "sumo-fcd": fcd_rows, "csv": table_rows, "interaction": table_rows,
+    "ngsim": table_rows, "ode-bsm": ode_rows, "cv-pilot": table_rows,
 }  # fmt: skip
 
 
@@ -172,7 +178,7 @@ def test_every_row_of_a_mutated_file_is_accounted_for_or_it_is_refused(session_m
         assert rows == ROWS[name](content)
 
 
-BINARY = ("parquet", "comma2k19", "kitti-oxts", "pcap")
+BINARY = ("parquet", "comma2k19", "kitti-oxts", "pcap", "ros2-mcap", "ros2-db3")
 
 
 @pytest.mark.parametrize("name", BINARY)
