@@ -94,6 +94,18 @@ def test_a_worker_of_another_version_is_refused_by_name(tmp_path: Path, package:
     assert said.endswith(": install the same on all machines")
 
 
+def test_a_worker_of_another_version_that_joins_later_ends_the_run_by_name(tmp_path: Path) -> None:
+    about = tmp_path / "numpy-0.0.1.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: numpy\nVersion: 0.0.1\n")
+    with other_cluster(1) as address, ClusterExecutor(address).start() as crew:
+        known: Any = crew
+        with other_worker(address, tmp_path):
+            known._client.wait_for_workers(2, timeout=60)
+            with pytest.raises(ConfigError, match=r"worker tcp://.* has numpy 0\.0\.1, this machine"):
+                list(crew.as_done(doubled, range(50)))
+
+
 def test_a_worker_of_other_sources_under_the_same_version_is_refused_by_name(tmp_path: Path) -> None:
     folder = Path(modelcast.__file__).parent
     shutil.copytree(folder, tmp_path / "modelcast", ignore=shutil.ignore_patterns("__pycache__"))

@@ -104,8 +104,8 @@ def test_what_is_not_shared_says_so_in_one_line_and_is_done(
     words = [word for word in WORDS if word not in {"--route-by", "trip"}]
     assert run(["compare", corpus, "--out", str(tmp_path / "out"), *words]) == PARTLY_FAILED
     assert capsys.readouterr().err == (
-        "modelcast: all trips are compared together, in one process: routes are found among all pairs of "
-        "trips: --route-by trip takes each as its own\n"
+        "modelcast: the trips of a corpus are taken together, in one process: routes are found among all "
+        "pairs of trips: --route-by trip takes each as its own\n"
     )
     assert (tmp_path / "out" / "summary.json").exists()
     assert run(["compare", corpus, "--out", str(tmp_path / "o"), *words, "--jobs", "2"]) == USAGE
@@ -183,8 +183,8 @@ def test_an_interrupt_ends_with_130_and_one_line_and_the_next_run_goes_on(
     )
     assert (found.returncode, found.stderr) == (INTERRUPTED, "modelcast: interrupted\n")
     assert not (tmp_path / "out").exists()
-    done = list((tmp_path / ".out.parts" / "parts").glob("[0-9]*/done.json"))
+    done = list((tmp_path / "out.unfinished" / "parts").glob("[0-9]*/done.json"))
     assert len(done) == 1
     assert run([*words, "--jobs", "1"]) == PARTLY_FAILED
     assert (tmp_path / "out" / "summary.json").exists()
-    assert not (tmp_path / ".out.parts").exists()
+    assert not (tmp_path / "out.unfinished").exists()

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+from filelock import FileLock
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor
@@ -173,6 +174,22 @@ def test_a_folder_that_is_no_corpus_is_left_alone(sources: Sources, tmp_path: Pa
         ingest(find_sources(good(sources())), mine / "thesis.tex")
 
 
+def test_what_a_run_leaves_that_is_killed_at_once_is_gone_on_with(sources: Sources, tmp_path: Path):
+    (tmp_path / "c").mkdir()
+    (tmp_path / "c" / "ingest.lock").touch()
+    (tmp_path / "c" / ".ingest.json.partial-0123456789abcdef").touch()
+    assert ingest(find_sources(good(sources())[:1]), tmp_path / "c").trips == 12
+
+
+def test_only_one_ingest_writes_to_a_corpus(sources: Sources, tmp_path: Path):
+    (tmp_path / "c").mkdir()
+    with (
+        FileLock(tmp_path / "c" / "ingest.lock"),
+        pytest.raises(ConfigError, match="another ingest is writing"),
+    ):
+        ingest(find_sources(good(sources())[:1]), tmp_path / "c")
+
+
 def test_a_finished_corpus_is_never_changed(sources: Sources, tmp_path: Path):
     files = good(sources())
     ingest(find_sources(files), tmp_path / "c")
@@ -180,6 +197,10 @@ def test_a_finished_corpus_is_never_changed(sources: Sources, tmp_path: Path):
     with pytest.raises(ConfigError, match="finished corpus"):
         ingest(find_sources(files[:1]), tmp_path / "c")
     assert contents(tmp_path / "c") == before
+    (tmp_path / "c" / "staging").mkdir()  # of a run killed at its very end
+    with pytest.raises(ConfigError, match="finished corpus"):
+        ingest(find_sources(files), tmp_path / "c")
+    assert not (tmp_path / "c" / "staging").exists()
 
 
 def test_an_unfinished_corpus_goes_on_with_its_own_sources_only(sources: Sources, tmp_path: Path):
@@ -201,7 +222,7 @@ def test_sources_and_corpus_lie_apart(sources: Sources):
 def test_without_a_usable_trip_nothing_is_left(sources: Sources, tmp_path: Path):
     with pytest.raises(ConfigError, match=r"no usable trip: .*broken.csv: row 301"):
         ingest(find_sources([sources() / "broken.csv"]), tmp_path / "c")
-    assert not (tmp_path / "c").exists() or not contents(tmp_path / "c")
+    assert not (tmp_path / "c").exists()
 
 
 def test_a_corpus_opens_where_it_was_moved_to(sources: Sources, tmp_path: Path):

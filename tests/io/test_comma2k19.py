@@ -73,6 +73,23 @@ def test_folder_above_yields_segments_in_order_of_number(made, given):
     assert [trip.trip_id for trip in ordered] == ["drive/9", "drive/10"]
 
 
+@pytest.mark.parametrize(
+    ("drive", "vehicle"),
+    [
+        ("b0c9d2329ad1606b|2018-08-02--08-34-47", "b0c9d2329ad1606b"),
+        ("b0c9d2329ad1606b_2018-08-02--08-34-47", "b0c9d2329ad1606b"),
+        ("my drive", ""),
+    ],
+)
+def test_the_vehicle_is_the_device_in_the_drive_s_name(made, drive, vehicle):
+    segment = made.valid("comma2k19")
+    home = made.folder / drive
+    home.mkdir()
+    segment.rename(home / "7")
+    (trip,) = read_trips(home / "7")
+    assert (trip.trip_id, trip.vehicle) == (f"{drive}/7", vehicle)
+
+
 def test_segment_folder_is_detected(made):
     assert detect_format(made.valid("comma2k19")) == "comma2k19"
 

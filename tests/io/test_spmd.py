@@ -16,7 +16,7 @@ def one(path):
 
 def test_bsm_values_are_si(made):
     trip = one(made.write("b.csv", made.lines([made.bsm_row(at) for at in range(5)])))
-    assert trip.trip_id == "b/7-70"
+    assert (trip.trip_id, trip.vehicle) == ("b/7-70", "7")
     assert trip.t_s.tolist() == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4], abs=1e-6)
     assert trip.position_m[4] == pytest.approx([0.0, 4.0], abs=0.02)
     assert trip.speed_mps[0] == 10.0

@@ -395,3 +395,31 @@ def test_sentinels_in_latitude_and_in_speed_alone_are_found(made, kind):
     assert dict(trip.reading.skipped) == {"off the road (SUMO's -1073741824)": 1}
     assert trip.reading.repaired["speed not known (SUMO's -1073741824)"] == 1
     assert trip.speed_mps == pytest.approx(12.0 / 3.6)
+
+
+@both
+def test_feet_miles_an_hour_and_knots_become_si(made, kind):
+    t = np.arange(30) * 0.1
+    table = {
+        "t": t,
+        "px": 100.0 * t,
+        "py": 0.0 * t,
+        "h": 0.0 * t + 10.0,
+        "v": 0.0 * t + 100.0,
+        "a": 0.0 * t + 3.0,
+    }
+    path = write(made, kind, table)
+    places = {"t": "t", "east_ft": "px", "north_ft": "py", "up_ft": "h", "acceleration_ftps2": "a"}
+    for word, unit_mps in (("speed_mph", 0.44704), ("speed_kn", 1852 / 3600), ("speed_ftps", 0.3048)):
+        (trip,) = read_trips(path, columns={**places, word: "v"})
+        np.testing.assert_allclose(trip.speed_mps, 100.0 * unit_mps, rtol=1e-12)
+    np.testing.assert_allclose(trip.position_m[:, 0], 30.48 * t, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(trip.up_m, 3.048)
+    np.testing.assert_allclose(trip.acceleration_mps2, 0.9144)
+
+
+def test_names_that_state_feet_and_knots_are_found(made):
+    text = "t_s,east_ft,north_ft,speed_knots\n0,0,0,10\n1,10,0,10\n2,20,0,10\n"
+    (trip,) = read_trips(made.write("a.csv", text))
+    np.testing.assert_allclose(trip.speed_mps, 18520 / 3600)
+    np.testing.assert_allclose(np.diff(trip.position_m[:, 0]), 3.048)

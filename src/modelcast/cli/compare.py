@@ -4,7 +4,7 @@ from pathlib import Path
 
 from modelcast.cli.compare_options import CompareOptions
 from modelcast.cli.executor_options import ExecutorOptions
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Format, Rate
 
 __all__ = ["compare"]
 
@@ -15,6 +15,7 @@ def compare(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
+    rate: Rate = None,
     options: CompareOptions = CompareOptions(),  # noqa: B008 - frozen
     where: ExecutorOptions = ExecutorOptions(),  # noqa: B008 - frozen
     json: bool = False,
@@ -37,6 +38,8 @@ def compare(
         Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
     trip
         Take only trips whose identifier matches this shell pattern.
+    rate
+        Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
     options
         What changes the figures.
     where
@@ -46,12 +49,12 @@ def compare(
     quiet
         Print nothing but errors.
     """
+    from modelcast.cli.all_trips import recorded_paths
     from modelcast.cli.comparison_run import Comparison, compared
     from modelcast.cli.progress import busy
     from modelcast.cli.reading import PARTLY_FAILED, require_paths
     from modelcast.cli.run_record import write_run
     from modelcast.cli.terminal import say, say_json, show
-    from modelcast.corpora.layout import CORPUS_FILE, is_corpus
     from modelcast.io.comparison import comparison_document, write_comparison
     from modelcast.io.manifest import require_replaceable
     from modelcast.io.output import atomic_folder
@@ -61,7 +64,7 @@ def compare(
     silent = quiet or json
     shown = f"--out {out}"
     require_replaceable(out.resolve(), "compare", shown=shown)
-    asked_for = Comparison(paths, format, columns, trip=trip, options=options, where=where)
+    asked_for = Comparison(paths, format, columns, trip=trip, rate_hz=rate, options=options, where=where)
     with (
         compared(asked_for, out, quiet=silent) as result,
         atomic_folder(out, command="compare", shown=shown) as folder,
@@ -71,6 +74,7 @@ def compare(
             "format": format,
             "columns": columns,
             "trip": trip,
+            "rate": rate,
             "options": options.as_plain(),
         }
         known = [trip.id for trip in result.trips if trip.in_training]
@@ -78,7 +82,7 @@ def compare(
             folder,
             "compare",
             asked,
-            (*(path / CORPUS_FILE if is_corpus(path) else path for path in paths), *options.files),
+            (*recorded_paths(paths), *options.files),
             training_trips=known,
             foreign=options.foreign,
         )

@@ -5,13 +5,13 @@ from contextlib import contextmanager
 from dataclasses import KW_ONLY, dataclass, replace
 from pathlib import Path
 
+from modelcast.cli.all_trips import all_trips
 from modelcast.cli.compare_options import CompareOptions
 from modelcast.cli.corpus_run import corpus_alone, corpus_parts, job_key
 from modelcast.cli.executor_options import ExecutorOptions
 from modelcast.cli.options import parse_columns
-from modelcast.cli.progress import counted, watched
+from modelcast.cli.progress import counted
 from modelcast.cli.reading import TripSource
-from modelcast.cli.terminal import complain
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.comparison import ComparisonJob, pool_comparison, why_not_shared
 from modelcast.study.compare.result import ComparisonResult
@@ -26,7 +26,7 @@ class Comparison:
 
     Parameters
     ----------
-    paths, format_name, columns, trip
+    paths, format_name, columns, trip, rate_hz
         The trips.
     options
         What changes the figures.
@@ -39,6 +39,7 @@ class Comparison:
     columns: str | None
     _: KW_ONLY
     trip: str
+    rate_hz: float | None
     options: CompareOptions
     where: ExecutorOptions
 
@@ -71,13 +72,14 @@ def compared(asked: Comparison, out: Path, *, quiet: bool) -> Generator[Comparis
     corpus = corpus_alone(asked.paths)
     if corpus is None:
         asked.where.require_no_corpus()
-        yield _together(asked, quiet=quiet)
+        yield _together(asked, "other recordings are named beside it", quiet=quiet)
         return
     reason = why_not_shared(candidates, settings)
+    if asked.rate_hz is not None:
+        reason = "--rate is for trips as they are read: make a corpus of that rate"
     if reason is not None:
         asked.where.require_one_process(reason)
-        complain(f"all trips are compared together, in one process: {reason}")
-        yield _together(asked, quiet=quiet)
+        yield _together(asked, reason, quiet=quiet)
         return
     options = asked.options
     key = job_key({**options.as_plain(), "trip": asked.trip}, options.files, options.foreign)
@@ -87,17 +89,17 @@ def compared(asked: Comparison, out: Path, *, quiet: bool) -> Generator[Comparis
         yield pool_comparison(outcome, job, failures=failures, skipped={})
 
 
-def _together(asked: Comparison, *, quiet: bool) -> ComparisonResult:
-    """Compare all trips in this process."""
+def _together(asked: Comparison, reason: str, *, quiet: bool) -> ComparisonResult:
+    """Compare all trips in this process, for a reason where there is a corpus."""
     settings, candidates = asked.options.settings(), asked.options.candidates()
     source = TripSource(
         asked.paths,
         format_name=asked.format_name,
         columns=parse_columns(asked.columns),
         pattern=asked.trip,
+        rate_hz=asked.rate_hz,
     )
-    with watched(source, quiet=quiet) as shown:
-        trips = list(shown)
+    trips = all_trips(source, asked.paths, reason, quiet=quiet)
     with counted("trips", quiet=quiet) as progress:
         found = compare(trips, candidates, settings, progress=progress)
     failures = {**found.failures, **source.failures}

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Format, Rate
 
 __all__ = ["convert"]
 
@@ -13,6 +13,7 @@ def convert(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
+    rate: Rate = None,
     quiet: bool = False,
 ) -> int:
     """Write recorded trips as one table that modelcast, or any data-frame library, reads back.
@@ -30,6 +31,8 @@ def convert(
         Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
     trip
         Take only trips whose identifier matches this shell pattern.
+    rate
+        Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
     quiet
         Print nothing but errors.
     """
@@ -46,7 +49,7 @@ def convert(
     if write is None:
         raise ConfigError(f"--out {out}: end it in {' or '.join(writers)}")
     require_paths(paths, "convert")
-    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
+    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip, rate_hz=rate)
     with atomic_file(out, inputs=paths, shown=f"--out {out}") as file:
         with watched(source, quiet=quiet) as shown:
             write(shown, file)

@@ -43,8 +43,8 @@ def corpus_parts(
 ) -> Generator[Outcome]:
     """Do a job with every partition and yield what was found; no other run works on the output meanwhile.
 
-    The parts are in ``.NAME.parts`` beside the output folder ``NAME``. They go when the block ends well and
-    no partition has failed; else they wait for the next run.
+    The parts are in ``NAME.unfinished`` beside the output folder ``NAME``. They go when the block ends well
+    and no partition has failed; else they wait for the next run.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def corpus_parts(
         As `run_job` does.
     """
     target = out.resolve()
-    results = target.with_name(f".{target.name}.parts")
+    results = target.with_name(f"{target.name}.unfinished")
     with claimed_results(results, job.name):
         with rated(quiet=quiet) as show:
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from modelcast.cli.evaluate_options import EvaluateOptions
 from modelcast.cli.executor_options import ExecutorOptions
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Format, Rate
 
 __all__ = ["evaluate"]
 
@@ -15,6 +15,7 @@ def evaluate(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
+    rate: Rate = None,
     options: EvaluateOptions = EvaluateOptions(),  # noqa: B008 - frozen
     executor: ExecutorOptions = ExecutorOptions(),  # noqa: B008 - frozen
     trace: Path | None = None,
@@ -40,6 +41,8 @@ def evaluate(
         Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
     trip
         Take only trips whose identifier matches this shell pattern.
+    rate
+        Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
     options
         What changes the figures.
     executor
@@ -60,7 +63,7 @@ def evaluate(
     from modelcast.core.exceptions import ConfigError
 
     if rerun is not None:
-        if paths or format or columns or trip != "*" or options != EvaluateOptions():
+        if paths or format or columns or trip != "*" or rate is not None or options != EvaluateOptions():
             raise ConfigError(
                 "--rerun takes trips and options from run.json: only --out, --trace, --json and --quiet go "
                 "with it"
@@ -68,7 +71,7 @@ def evaluate(
         asked = load_run(rerun)
     else:
         require_paths(paths, "evaluate")
-        asked = EvaluationRun(paths, format, columns, trip, options)
+        asked = EvaluationRun(paths, format, columns, trip, options, rate)
     corpus = corpus_to_share(asked, executor)
     if corpus is not None:
         if trace is not None:

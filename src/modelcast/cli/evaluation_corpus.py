@@ -40,8 +40,12 @@ def corpus_to_share(asked: EvaluationRun, where: ExecutorOptions) -> Corpus | No
     if corpus is None:
         where.require_no_corpus()
         return None
-    if reads_context(asked.options.settings().bank):
+    reason = None
+    if asked.rate_hz is not None:
+        reason = "--rate is for trips as they are read: make a corpus of that rate"
+    elif reads_context(asked.options.settings().bank):
         reason = f"the bank {asked.options.bank} reads context, so trips know of each other"
+    if reason is not None:
         where.require_one_process(reason)
         terminal.complain(f"all trips are evaluated together, in one process: {reason}")
         return None

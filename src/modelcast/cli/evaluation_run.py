@@ -48,6 +48,7 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
         format_name=asked.format_name,
         columns=parse_columns(asked.columns),
         pattern=asked.trip,
+        rate_hz=asked.rate_hz,
     )
     with atomic_folder(out, command="evaluate", shown=f"--out {out}") as folder:
         with RecordFiles(folder) as records:

@@ -14,19 +14,19 @@ __all__ = ["ExecutorOptions"]
 @Parameter(name="*")
 @dataclass(frozen=True)
 class ExecutorOptions:
-    """Where a corpus is worked on. They change no figure.
+    """Where work is done. They change no figure.
 
     Parameters
     ----------
     jobs
         Processes at a time; 0 for one a processor, 1 for none but this.
     cluster
-        Of a corpus, work on a cluster of dask.distributed instead: 'local:N' for N of its workers on this
-        machine, or the address of a scheduler, as 'tls://HOST:8786'. Needs the extra cluster. Trust it:
-        whoever reaches a scheduler can run any code on its workers.
+        Work on a cluster of dask.distributed instead: 'local:N' for N of its workers on this machine, or the
+        address of a scheduler, as 'tls://HOST:8786'. Needs the extra cluster. Trust it: whoever reaches a
+        scheduler can run any code on its workers.
     memory
-        Of a corpus, what all processes on this machine together may take, as '2GiB' or '1500MB', shared out
-        evenly. A partition that needs more fails and is named. No bound where not given.
+        What all processes that share the work on this machine may take together, as '2GiB' or '1500MB',
+        shared out evenly. A partition that needs more fails and is named. No bound where not given.
     """
 
     jobs: int = 0

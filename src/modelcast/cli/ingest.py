@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from modelcast.cli.executor_options import ExecutorOptions
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Format, Rate
 
 if TYPE_CHECKING:
     from modelcast.corpora.finishing import Ingested
@@ -20,6 +20,7 @@ def ingest(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
+    rate: Rate = None,
     where: ExecutorOptions = _HERE,
     partitions: int | None = None,
     inspect: bool = False,
@@ -43,6 +44,8 @@ def ingest(
         Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
     trip
         Take only trips whose identifier matches this shell pattern.
+    rate
+        Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
     where
         Where the sources are read.
     partitions
@@ -74,6 +77,7 @@ def ingest(
         format,
         columns=parse_columns(columns),
         pattern=trip,
+        rate_hz=rate,
         memory_bytes=executor.worker_bytes,
     )
     with rated(quiet=quiet or json, under_way=lambda: rows_under_way(out)) as watch:

@@ -17,6 +17,7 @@ __all__ = [
     "Format",
     "Numbers",
     "Paths",
+    "Rate",
     "SensorOptions",
     "Source",
     "Words",
@@ -45,6 +46,15 @@ Columns = Annotated[
     Parameter(
         help="Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v' or "
         "'t=time,lat=latitude,lon=longitude', optionally 'vehicle=id'."
+    ),
+]
+
+
+Rate = Annotated[
+    float | None,
+    Parameter(
+        help="Take trips as read so many times a second, each sample the last one recorded at or before its "
+        "reading [Hz]; as recorded where not given. Trips recorded more slowly are left out."
     ),
 ]
 

@@ -1,5 +1,6 @@
 """What a command shows while it works: on the standard error, where that is a terminal; gone at the end."""
 
+import math
 import os
 import sys
 import time
@@ -145,7 +146,7 @@ def rated(
     quiet
         Show nothing.
     under_way
-        Rows that steps not yet done have done; asked for a few times a second.
+        Rows that steps not yet done have done; asked for twice a second.
     """
     bar = _bar("", quiet=quiet, steps=False, more=_Rate(under_way))
     tasks: dict[str, TaskID] = {}
@@ -164,18 +165,25 @@ def rated(
         yield show
 
 
+_LOOK_S = 0.5
+
+
 class _Rate(ProgressColumn):
     """Rows so far, rows a second, and the time left."""
 
     def __init__(self, under_way: Callable[[], int]) -> None:
         self._under_way = under_way
+        self._looked_s, self._seen = -math.inf, 0
         super().__init__()
 
     def render(self, task: Task) -> Text:
         """Text for one stage."""
         told = task.fields
-        rows = int(told["rows"]) + self._under_way()
-        elapsed_s = max(time.monotonic() - float(told["begun_s"]), 1e-3)
+        now_s = time.monotonic()
+        if now_s > self._looked_s + _LOOK_S:
+            self._seen, self._looked_s = self._under_way(), now_s
+        rows = int(told["rows"]) + self._seen
+        elapsed_s = max(now_s - float(told["begun_s"]), 1e-3)
         text = f"{rows:,} rows, {(rows - int(told['rows_before'])) / elapsed_s:,.0f}/s"
         done, total = task.completed - float(told["done_before"]), task.total
         if done > 0.0 and total is not None:

@@ -10,6 +10,8 @@ from modelcast.cli.terminal import complain, say
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.core.printable import printable
 from modelcast.io.failure import failure_reason
+from modelcast.io.packed import is_archive, member_of
+from modelcast.io.reading_rate import read_at, require_rate
 from modelcast.io.recordings import Recording, Recordings
 from modelcast.io.skipped import free_name
 from modelcast.trips.trajectory import Trajectory
@@ -54,11 +56,14 @@ class TripSource:
         Column map for csv and parquet.
     pattern
         Trips whose identifier matches this shell pattern are taken.
+    rate_hz
+        Rate at which they are read (`modelcast.trips.rate`); None for as recorded. A trip recorded more
+        slowly is skipped.
 
     Raises
     ------
     ConfigError
-        Where the format is unknown, or has fixed columns but a map is given.
+        Where the format is unknown, or has fixed columns but a map is given; where the rate is none.
     """
 
     def __init__(
@@ -68,7 +73,10 @@ class TripSource:
         format_name: str | None = None,
         columns: Mapping[str, str] | None = None,
         pattern: str = "*",
+        rate_hz: float | None = None,
     ) -> None:
+        require_rate(rate_hz)
+        self._rate_hz = rate_hz
         self._paths = paths
         self._pattern = pattern
         self._recordings = Recordings(paths, format_name, columns=columns, on_skipped=self._skip)
@@ -79,8 +87,9 @@ class TripSource:
 
     @property
     def files(self) -> int | None:
-        """Number of files, None where folders are among the paths."""
-        return None if any(path.is_dir() for path in self._paths) else len(self._paths)
+        """Number of files, None where folders or archives are among the paths."""
+        many = any(path.is_dir() or is_archive(path) for path in self._paths)
+        return None if many else len(self._paths)
 
     @property
     def exit_code(self) -> int:
@@ -104,8 +113,8 @@ class TripSource:
             self.started += 1
             try:
                 for read in recording.trips():
-                    trip = _named(read, printable(read.trip_id))
-                    if fnmatch.fnmatch(trip.trip_id, self._pattern):
+                    trip = read_at(_named(read, printable(read.trip_id)), self._rate_hz, self._skip)
+                    if trip is not None and fnmatch.fnmatch(trip.trip_id, self._pattern):
                         seen[trip.trip_id] = seen.get(trip.trip_id, 0) + 1
                         self.trips += 1
                         copy = seen[trip.trip_id]
@@ -128,7 +137,7 @@ class TripSource:
         complain(str(error) if isinstance(error, DataFormatError) else f"{path}: {failure_reason(error)}")
 
     def _skip(self, name: str, reason: str) -> None:
-        label = self._recordings.label(name) if os.path.lexists(name) else name
+        label = self._recordings.label(name) if os.path.lexists(name) or member_of(name) else name
         self.skipped[free_name(self.skipped, printable(label))] = printable(reason)
 
 

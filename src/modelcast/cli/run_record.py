@@ -14,7 +14,7 @@ from modelcast.cli.option_rules import LONGEST_PATH, OPTIONS
 from modelcast.cli.run_inputs import recorded_inputs, require_same_inputs
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.json_text import parse_json, schema_of
-from modelcast.core.rules import Anything, Each, FieldError, Keys, Maybe, Table, Text, Whole, check
+from modelcast.core.rules import Anything, Each, FieldError, Keys, Maybe, Number, Table, Text, Whole, check
 from modelcast.core.version import package_version
 from modelcast.corpora.layout import CORPUS_FILE, is_corpus
 from modelcast.io.regular import read_document
@@ -40,7 +40,8 @@ _RUN = Keys(
                 "columns": Maybe(Text(2000)),
                 "trip": Text(1000),
                 "options": OPTIONS,
-            }
+            },
+            {"rate": Maybe(Number(0.0, 1e6, over=True))},
         ),
         "versions": Table(Text(64), 100),
         "inputs": Table(
@@ -62,6 +63,8 @@ class EvaluationRun:
         The trips.
     options
         Everything that changes the figures.
+    rate_hz
+        Rate at which the trips are read [Hz]; None for as recorded.
     """
 
     paths: tuple[Path, ...]
@@ -69,6 +72,7 @@ class EvaluationRun:
     columns: str | None
     trip: str
     options: EvaluateOptions
+    rate_hz: float | None = None
 
     @property
     def inputs(self) -> tuple[Path, ...]:
@@ -86,6 +90,7 @@ class EvaluationRun:
             "format": self.format_name,
             "columns": self.columns,
             "trip": self.trip,
+            "rate": self.rate_hz,
             "options": self.options.as_plain(),
         }
 
@@ -183,4 +188,5 @@ def _run_from(arguments: Mapping[str, Any]) -> EvaluationRun:
         arguments["columns"],
         arguments["trip"],
         EvaluateOptions.from_plain(options),
+        arguments.get("rate"),
     )

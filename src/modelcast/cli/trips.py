@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Format, Rate
 
 __all__ = ["trips"]
 
@@ -12,6 +12,7 @@ def trips(
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
+    rate: Rate = None,
     rank: bool = False,
     top: int | None = None,
     out: Path | None = None,
@@ -33,6 +34,8 @@ def trips(
         Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
     trip
         Take only trips whose identifier matches this shell pattern.
+    rate
+        Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
     rank
         Order the trips by their lane changes, turns, U-turns, roundabouts, stops and hard brakes.
     top
@@ -49,7 +52,6 @@ def trips(
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import watched
     from modelcast.cli.reading import TripSource, require_paths
-    from modelcast.cli.terminal import say_json, show
     from modelcast.core.exceptions import ConfigError
 
     require_paths(paths, "trips")
@@ -57,31 +59,26 @@ def trips(
         raise ConfigError("--top, --out and --figures belong to --rank")
     if top is not None and top < 1:
         raise ConfigError(f"--top must be at least 1, got {top}")
-    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
+    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip, rate_hz=rate)
     if rank:
         from modelcast.cli.ranking import rank_source
 
         return rank_source(
             source, paths, top=top, out=out, figures=figures, as_json=json, quiet=quiet or json
         )
-    from modelcast.report.inspection import Findings, inspection_document, inspection_report
+    from modelcast.cli.trip_notes import TripNotes
     from modelcast.station.receiver.plausibility import trip_findings
     from modelcast.study.settings import EvaluationSettings
-    from modelcast.trips.inspection import TripInspection, inspect
-    from modelcast.trips.manoeuvres.base import ManoeuvreCounts
+    from modelcast.trips.inspection import inspect
     from modelcast.trips.manoeuvres.rank import count_manoeuvres
 
-    found = list[tuple[TripInspection, Findings, ManoeuvreCounts]]()
-    with watched(source, quiet=quiet or json) as shown:
-        for one in shown:
-            quality = inspect(one)
-            found.append((quality, trip_findings(one), count_manoeuvres(one, quality)))
-    if not found:
-        raise ConfigError("no usable trip")
-    thresholds_m = EvaluationSettings().thresholds_m
-    if json:
-        document = inspection_document(found, source.failures, source.skipped, thresholds_m=thresholds_m)
-        say_json(document)
-    else:
-        show(inspection_report(found, source.failures, source.skipped, thresholds_m=thresholds_m))
+    with TripNotes() as notes:
+        with watched(source, quiet=quiet or json) as shown:
+            for one in shown:
+                quality = inspect(one)
+                notes.add(quality, trip_findings(one), count_manoeuvres(one, quality))
+        if not notes.count:
+            raise ConfigError("no usable trip")
+        tell = notes.say_json if json else notes.show
+        tell(source.failures, source.skipped, EvaluationSettings().thresholds_m)
     return source.exit_code

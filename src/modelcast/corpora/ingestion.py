@@ -12,38 +12,32 @@ and what comes out has the same octets whatever the number of processes and of i
 import hashlib
 import json
 import shutil
-from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from filelock import FileLock, Timeout
-
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.catalogue import CATALOGUE
+from modelcast.corpora.claim import STAGING, claimed, cleared
 from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor, Failed, LostWorkerError
 from modelcast.corpora.executors.here import HereExecutor
 from modelcast.corpora.finishing import Ingested, Made, failures_of, finish, skipped_of, write_grouped
 from modelcast.corpora.layout import (
-    CORPUS_FILE,
     FORMAT,
     ROWS_FOLDER,
-    UNFINISHED,
     VERSION,
     Partition,
-    is_corpus,
     partition_folder,
 )
 from modelcast.corpora.merging import merged_catalogue
 from modelcast.corpora.packing import Packing, pack, packed_already
 from modelcast.corpora.sources import FoundSources, Source
 from modelcast.corpora.staging import Staged, Staging, samples_under_way, stage, staged_already
-from modelcast.io.output import atomic_file
 
 __all__ = ["Watch", "ingest", "rows_under_way", "watch_nothing"]
 
-_STAGING, _LOCK, _MERGED = "staging", "ingest.lock", "catalogue.parquet"
+_MERGED = "catalogue.parquet"
 
 _SHOWN = 10
 _HERE = HereExecutor()
@@ -95,9 +89,9 @@ def ingest(
     folder = Path(out).resolve()
     _require_apart(found.sources, folder, shown=str(out))
     plan = _plan(found, thresholds_m=thresholds_m)
-    with _claimed(folder, plan, shown=str(out)), executor.start() as crew:
+    with claimed(folder, plan, shown=str(out)), executor.start() as crew:
         crew.require_shared([folder, *(Path(one.path).resolve().parent for one in found.sources[:1])])
-        staging = folder / _STAGING
+        staging = folder / STAGING
         judged = None if thresholds_m is None else tuple(thresholds_m)
         works = [Staging(replace(one, path=_absolute(one.path)), staging, judged) for one in found.sources]
         staged, kept = _staged(works, crew, watch)
@@ -106,7 +100,7 @@ def ingest(
         if not catalogue.num_rows:
             lost = {**failures_of(found, staged), **skipped_of(found, staged)}
             reasons = [f"{name}: {reason}" for name, reason in lost.items()]
-            _clear(folder)
+            cleared(folder)
             raise ConfigError("; ".join(("no usable trip: no corpus was made", *reasons[:_SHOWN])))
         key = hashlib.sha256(
             json.dumps([plan, [asdict(one) for one in staged.values()], partitions]).encode()
@@ -114,7 +108,7 @@ def ingest(
         packed = _packed(folder, catalogue, key, crew, watch)
         made = Made(folder, found, staged, settings=plan["settings"], catalogue=catalogue, partitions=packed)
         ingested = finish(made, kept=kept)
-        _clear(folder)
+        cleared(folder)
         return ingested
 
 
@@ -126,7 +120,7 @@ def rows_under_way(out: str | Path) -> int:
     out
         The corpus' folder.
     """
-    return samples_under_way(Path(out) / _STAGING)
+    return samples_under_way(Path(out) / STAGING)
 
 
 def _plan(found: FoundSources, *, thresholds_m: Sequence[float] | None) -> dict[str, Any]:
@@ -152,40 +146,6 @@ def _require_apart(sources: Sequence[Source], folder: Path, *, shown: str) -> No
         path = Path(source.path).resolve()
         if path.is_relative_to(folder) or folder.is_relative_to(path):
             raise ConfigError(f"{shown} and its source {source.path} lie in one another: name another folder")
-
-
-@contextmanager
-def _claimed(folder: Path, plan: Mapping[str, Any], *, shown: str) -> Generator[None]:
-    """Hold a folder that may be written into, and leave in it what it is to become."""
-    try:
-        if folder.exists() and not folder.is_dir():
-            raise ConfigError(f"{shown} is a file: name a folder")
-        if folder.is_dir() and any(folder.iterdir()) and not is_corpus(folder):
-            raise ConfigError(f"{shown} is not empty and no corpus: name another folder")
-        if (folder / CORPUS_FILE).is_file():
-            raise ConfigError(
-                f"{shown} is a finished corpus, which is never changed: name another folder, or remove it"
-            )
-        folder.mkdir(parents=True, exist_ok=True)
-        unfinished = folder / UNFINISHED
-        if unfinished.is_file() and json.loads(unfinished.read_text(encoding="utf-8")) != plan:
-            raise ConfigError(
-                f"{shown} is an unfinished corpus of other sources or settings: name the same ones to go on "
-                "with it, or another folder, or remove it"
-            )
-        with atomic_file(unfinished) as file:
-            file.write(json.dumps(plan).encode())
-        lock = FileLock(folder / _LOCK)
-        lock.acquire(timeout=0)
-    except Timeout as error:
-        raise ConfigError(f"another ingest is writing to {shown}: wait for it") from error
-    except OSError as error:
-        raise ConfigError(f"{shown} cannot be written to: {error.strerror or error}") from error
-    try:
-        yield
-    finally:
-        lock.release()
-        (folder / _LOCK).unlink(missing_ok=True)
 
 
 def _staged(works: Sequence[Staging], crew: AbstractCrew, watch: Watch) -> tuple[dict[int, Staged], int]:
@@ -217,10 +177,10 @@ def _packed(
     folder: Path, catalogue: Any, key: str, crew: AbstractCrew, watch: Watch
 ) -> tuple[Partition, ...]:
     """Write the merged catalogue and the partitions, and return these by name."""
-    merged = folder / _STAGING / _MERGED
+    merged = folder / STAGING / _MERGED
     names = list(dict.fromkeys(catalogue["partition"].to_pylist()))
     write_grouped(merged, catalogue)
-    works = [Packing(name, folder, folder / _STAGING, merged, group, key) for group, name in enumerate(names)]
+    works = [Packing(name, folder, folder / STAGING, merged, group, key) for group, name in enumerate(names)]
     packed = {work.name: done for work in works if (done := packed_already(work)) is not None}
     waiting = [work for work in works if work.name not in packed]
     rows, samples = sum(one.rows for one in packed.values()), sum(catalogue["samples"].to_pylist())
@@ -234,9 +194,3 @@ def _packed(
     for stale in set((folder / ROWS_FOLDER).iterdir()) - {partition_folder(folder, name) for name in names}:
         shutil.rmtree(stale, ignore_errors=True)
     return tuple(packed[name] for name in names)
-
-
-def _clear(folder: Path) -> None:
-    """Remove what only an unfinished corpus needs."""
-    shutil.rmtree(folder / _STAGING, ignore_errors=True)
-    (folder / UNFINISHED).unlink(missing_ok=True)

@@ -9,6 +9,8 @@ from typing import Any
 from modelcast.core.printable import printable
 from modelcast.io.base import AbstractTripReader
 from modelcast.io.failure import failure_reason
+from modelcast.io.packed import member_of
+from modelcast.io.reading_rate import require_rate
 from modelcast.io.recordings import Recordings
 from modelcast.io.skipped import free_name
 
@@ -34,6 +36,8 @@ class Source:
         The reader of its format.
     pattern
         Trips whose identifier matches this shell pattern are taken.
+    rate_hz
+        Rate at which they are read; None for as recorded.
     """
 
     number: int
@@ -41,11 +45,13 @@ class Source:
     path: str
     reader: AbstractTripReader
     pattern: str
+    rate_hz: float | None = None
 
     @property
     def state(self) -> list[int]:
         """Number of its files, their octets together, and when the last was changed [ns]."""
-        at = Path(self.path)
+        member = member_of(self.path)
+        at = Path(self.path if member is None else member.archive)
         files = [file for file in at.rglob("*") if file.is_file()] if at.is_dir() else [at]
         found = [file.stat() for file in files]
         return [
@@ -68,7 +74,7 @@ class FoundSources:
     skipped
         Files that no reader knows, and the like, with the reason.
     settings
-        How they are to be read: format, columns and pattern, as the user said.
+        How they are to be read: format, columns, pattern and rate, as the user said.
     """
 
     sources: tuple[Source, ...]
@@ -83,6 +89,7 @@ def find_sources(
     *,
     columns: Mapping[str, str] | None = None,
     pattern: str = "*",
+    rate_hz: float | None = None,
     memory_bytes: int | None = None,
 ) -> FoundSources:
     """Return the recordings at and under paths; a path that cannot be told is a failure, not an end.
@@ -91,7 +98,7 @@ def find_sources(
     ----------
     paths, format_name, columns
         As for `modelcast.io.trips.read_trips`.
-    pattern
+    pattern, rate_hz
         As in `Source`.
     memory_bytes
         What the process that reads one may take; None for the readers' own bounds.
@@ -99,14 +106,15 @@ def find_sources(
     Raises
     ------
     ConfigError
-        Where the format is unknown, or has fixed columns but a map is given.
+        Where the format is unknown, or has fixed columns but a map is given; where the rate is none.
     """
+    require_rate(rate_hz)
     skipped: dict[str, str] = {}
     failures: dict[str, str] = {}
     labels: dict[str, str] = {}
 
     def note(what: str, reason: str) -> None:
-        label = recordings.label(what) if os.path.lexists(what) else what
+        label = recordings.label(what) if os.path.lexists(what) or member_of(what) else what
         skipped[free_name(skipped, printable(label))] = printable(reason)
 
     recordings = Recordings(paths, format_name, columns=columns, on_skipped=note)
@@ -123,6 +131,7 @@ def find_sources(
                 "format": format_name,
                 "columns": None if columns is None else dict(columns),
                 "trip": pattern,
+                "rate": rate_hz,
             }
             return FoundSources(tuple(sources), failures, skipped, settings)
         label = free_name(labels, printable(recordings.label(recording.path)))
@@ -130,4 +139,4 @@ def find_sources(
         reader = recording.reader
         if memory_bytes is not None:
             reader = reader.within(max(memory_bytes // _HELD_SHARE, _LEAST_HELD_BYTES))
-        sources.append(Source(len(sources), label, recording.path, reader, pattern))
+        sources.append(Source(len(sources), label, recording.path, reader, pattern, rate_hz))

@@ -32,6 +32,7 @@ from modelcast.corpora.sources import Source
 from modelcast.io.base import OnSkipped
 from modelcast.io.failure import failure_reason
 from modelcast.io.partial import clean_leftovers, partial_folder
+from modelcast.io.reading_rate import read_at
 from modelcast.io.recordings import Recording
 from modelcast.io.skipped import free_name
 from modelcast.trips.trajectory import Trajectory
@@ -205,8 +206,8 @@ def _trips(source: Source, on_skipped: OnSkipped) -> Iterator[Trajectory]:
     """
     try:
         for read in Recording(source.path, source.reader, on_skipped).trips():
-            trip = _named(read, printable(read.trip_id))
-            if fnmatch.fnmatch(trip.trip_id, source.pattern):
+            trip = read_at(_named(read, printable(read.trip_id)), source.rate_hz, on_skipped)
+            if trip is not None and fnmatch.fnmatch(trip.trip_id, source.pattern):
                 yield trip
     except (Exception, SystemExit) as error:
         raise _UnreadableError(printable(failure_reason(error))) from error

@@ -78,6 +78,12 @@ class ArrowTable(AbstractTable):
         )  # fmt: skip
         self._zoned = stamped and kind.tz is not None
         self._dated = False
+        label = self.found.label
+        if label is not None and not _may_name(schema.types[names.index(label)]):
+            raise DataFormatError(
+                path, f"column {label!r} holds {schema.types[names.index(label)]}, not names",
+                remedy="Convert it to text first.",
+            )  # fmt: skip
         for name, kind in self._kinds.items():
             if name != time or not (stamped or is_text(kind)):
                 self._require_numbers(name, kind)
@@ -144,7 +150,13 @@ class ArrowTable(AbstractTable):
     def _text(self, name: str, column: Any, line: IntArray) -> pl.Series:
         """Return a column as text, one that is a dictionary only after a look at its words."""
         held = column.dictionary if pa.types.is_dictionary(column.type) else column
-        words = pl.Series(name, held.cast(pa.large_string()), dtype=pl.String)
+        try:
+            words = pl.Series(name, held.cast(pa.large_string()), dtype=pl.String)
+        except pa.ArrowException as error:
+            raise DataFormatError(
+                self.path, f"column {name!r} holds {held.type}, which is no text: {error}",
+                row=int(line[0]), remedy="Convert it first.",
+            ) from error  # fmt: skip
         if (words.str.len_bytes() > _MOST_CHARACTERS).any():
             raise DataFormatError(
                 self.path, f"{name} has a text of over {_MOST_CHARACTERS} octets", row=int(line[0]),
@@ -173,6 +185,19 @@ class ArrowTable(AbstractTable):
         return numbers
 
 
+def _may_name(kind: Any) -> bool:
+    """Return whether values of an Arrow type can be names of vehicles: text, numbers, dates."""
+    if pa.types.is_dictionary(kind):
+        return is_text(kind.value_type)
+    fixed = pa.types.is_primitive(kind) or pa.types.is_decimal(kind)
+    return bool(fixed or pa.types.is_null(kind) or is_text(kind))
+
+
 def is_text(kind: Any) -> bool:
-    """Return whether an Arrow type is text."""
-    return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
+    """Return whether an Arrow type is text (or octets that may be)."""
+    return any(
+        is_kind(kind)
+        for is_kind in (
+            pa.types.is_string, pa.types.is_large_string, pa.types.is_binary, pa.types.is_large_binary,
+        )
+    )  # fmt: skip

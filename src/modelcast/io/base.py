@@ -99,6 +99,10 @@ class AbstractTripReader(ABC):
     name: ClassVar[str]
     """The name the reader is registered under."""
 
+    streams: ClassVar[bool] = False
+    """Whether `read` takes packed files and members of archives as they are, by `io.packed.open_octets`; else
+    it gets temporary copies."""
+
     @abstractmethod
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether this is a file (or folder) of the format.

@@ -16,10 +16,10 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import BinaryIO, Literal, NamedTuple
 
 from modelcast.core.exceptions import CodecError, DataFormatError
-from modelcast.io.pcap import CapturedFrame, frames_of, short_message_of
+from modelcast.io.pcap import CapturedFrame, CaptureFile, frames_of, short_message_of
 from modelcast.messages.bsm import BsmCore, decode_bsm
 from modelcast.messages.ieee1609 import is_ieee1609_data, unsecured_payload
 from modelcast.messages.security.signed import decode_signed, payload_of_signed
@@ -86,21 +86,24 @@ class Captured:
 
     def messages(self) -> Iterator[CapturedMessage]:
         """Yield the basic safety messages in order."""
+        with self._file() as file:
+            for frame in frames_of(CaptureFile(file), self.path):
+                kind, core = _opened(frame)
+                self.kinds[kind] += 1
+                if core is not None:
+                    mark_s = core.values()["second_of_minute_s"]
+                    t_s = None
+                    if mark_s is not None and frame.t_ns is not None:
+                        t_s = mark_s + _MINUTE_S * round((frame.t_ns / 1e9 - mark_s) / _MINUTE_S)
+                    yield CapturedMessage(frame.number, t_s, core)
+
+    def _file(self) -> BinaryIO:
         try:
-            content = Path(self.path).read_bytes()
+            return Path(self.path).open("rb")
         except OSError as error:
             raise DataFormatError(
                 self.path, f"cannot be read: {error.strerror}", remedy="Check the path."
             ) from error
-        for frame in frames_of(content, self.path):
-            kind, core = _opened(frame)
-            self.kinds[kind] += 1
-            if core is not None:
-                mark_s = core.values()["second_of_minute_s"]
-                t_s = None
-                if mark_s is not None and frame.t_ns is not None:
-                    t_s = mark_s + _MINUTE_S * round((frame.t_ns / 1e9 - mark_s) / _MINUTE_S)
-                yield CapturedMessage(frame.number, t_s, core)
 
     def told(self) -> list[str]:
         """What is to be said of the records that were not simply read, in words."""

@@ -6,13 +6,19 @@ Meaning              Unit                        Names found without a map
 t                    s, or told by the values    t_s, time_s (seconds for certain), t, time
 t_ms, t_us, t_ns     ms, µs, ns                  t_ms, time_ms; t_us, time_us; t_ns, time_ns
 east, north, up      m                           east_m, east, x; north_m, north, y; up_m, up, z
+east_ft, north_ft,   ft                          east_ft; north_ft; up_ft
+up_ft
 lat, lon, alt        deg, deg, m                 latitude_deg, latitude, lat; longitude_deg, longitude,
                                                  lon; altitude_m, altitude, alt
+alt_ft               ft                          altitude_ft, alt_ft
 speed, speed_kmh     m/s, km/h                   speed_mps, speed; speed_kmh
+speed_mph, speed_kn, mile/h, knot, ft/s          speed_mph; speed_kn, speed_knots; speed_ftps
+speed_ftps
 heading_rad, _deg    from north, clockwise       heading_rad; heading_deg
 yaw_rate_radps,      rad/s, deg/s, clockwise     yaw_rate_radps; yaw_rate_degps
 yaw_rate_degps
 acceleration         m/s²                        acceleration_mps2
+acceleration_ftps2   ft/s²                       acceleration_ftps2
 vehicle              name of the vehicle         vehicle, vehicle_id
 trip                 complete identifier         trip
 origin_lat, _lon,    deg, deg, m; constant in a  origin_latitude_deg, origin_longitude_deg,
@@ -35,6 +41,10 @@ from modelcast.core.exceptions import ConfigError, DataFormatError
 __all__ = ["ColumnMap", "Meaning", "detected_map", "example_map", "known_map", "user_map"]
 
 _DEG = 0.017453292519943295
+_FOOT_M = 0.3048
+"""The international foot; that of the United States' surveys is 2 millionths longer."""
+_MILE_M = 5280 * _FOOT_M
+_NAUTICAL_MILE_M = 1852.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,16 +64,24 @@ MEANINGS: Mapping[str, Meaning] = {
     "east": Meaning("east_m", 1.0, ("east_m", "east", "x")),
     "north": Meaning("north_m", 1.0, ("north_m", "north", "y")),
     "up": Meaning("up_m", 1.0, ("up_m", "up", "z")),
+    "east_ft": Meaning("east_m", _FOOT_M, ("east_ft",)),
+    "north_ft": Meaning("north_m", _FOOT_M, ("north_ft",)),
+    "up_ft": Meaning("up_m", _FOOT_M, ("up_ft",)),
     "lat": Meaning("latitude_deg", 1.0, ("latitude_deg", "latitude", "lat")),
     "lon": Meaning("longitude_deg", 1.0, ("longitude_deg", "longitude", "lon")),
     "alt": Meaning("altitude_m", 1.0, ("altitude_m", "altitude", "alt")),
+    "alt_ft": Meaning("altitude_m", _FOOT_M, ("altitude_ft", "alt_ft")),
     "speed": Meaning("speed_mps", 1.0, ("speed_mps", "speed")),
     "speed_kmh": Meaning("speed_mps", 1.0 / 3.6, ("speed_kmh",)),
+    "speed_mph": Meaning("speed_mps", _MILE_M / 3600.0, ("speed_mph",)),
+    "speed_kn": Meaning("speed_mps", _NAUTICAL_MILE_M / 3600.0, ("speed_kn", "speed_knots")),
+    "speed_ftps": Meaning("speed_mps", _FOOT_M, ("speed_ftps",)),
     "heading_rad": Meaning("heading_rad", 1.0, ("heading_rad",)),
     "heading_deg": Meaning("heading_rad", _DEG, ("heading_deg",)),
     "yaw_rate_radps": Meaning("yaw_rate_radps", 1.0, ("yaw_rate_radps",)),
     "yaw_rate_degps": Meaning("yaw_rate_radps", _DEG, ("yaw_rate_degps",)),
     "acceleration": Meaning("acceleration_mps2", 1.0, ("acceleration_mps2",)),
+    "acceleration_ftps2": Meaning("acceleration_mps2", _FOOT_M, ("acceleration_ftps2",)),
     "origin_lat": Meaning("origin_latitude_deg", 1.0, ("origin_latitude_deg",)),
     "origin_lon": Meaning("origin_longitude_deg", 1.0, ("origin_longitude_deg",)),
     "origin_alt": Meaning("origin_altitude_m", 1.0, ("origin_altitude_m",)),
@@ -84,6 +102,9 @@ _LIKELY: Mapping[str, str] = {
     "east": r"east|^x|[^a-z]x\b|_x\b|^e\d*$|pos_?x",
     "north": r"north|^y(?!aw)|[^a-z]y\b|_y\b|^n\d*$|pos_?y",
     "speed_kmh": r"(speed|vel).*(km/?h|kph)",
+    "speed_mph": r"(speed|vel).*(mph|mi/?h|miles)",
+    "speed_kn": r"(speed|vel).*(knot|kn\b|kts?\b)",
+    "speed_ftps": r"(speed|vel).*(ft|feet)",
     "speed": r"speed|veloc|^v\b|^v_?(mps|ms)?$",
 }
 """What a column may mean, by its name in lower case: for examples only, never for reading."""
@@ -182,7 +203,7 @@ def example_map(names: Sequence[str]) -> str:
     time = next((meaning for meaning in guess if MEANINGS[meaning].fills == "t_s"), "t")
     pair = ("lat", "lon") if {"lat", "lon"} <= guess.keys() else ("east", "north")
     free += [name for meaning, name in guess.items() if meaning in {"lat", "lon", "east", "north"} - {*pair}]
-    speed = [meaning for meaning in ("speed_kmh", "speed") if meaning in guess]
+    speed = [meaning for meaning in guess if MEANINGS[meaning].fills == "speed_mps"]
     wanted = [time, *pair]
     parts = [
         f"{meaning}={guess.get(meaning) or free.pop(0)}" for meaning in wanted if free or meaning in guess

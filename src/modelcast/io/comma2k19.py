@@ -1,8 +1,9 @@
 """comma2k19 segments: one minute of a drive each, GNSS at 10 Hz with CAN and IMU.
 
 A recording is a segment folder (it holds ``processed_log``), or any folder above segments: those are found.
-The trip is ``<drive folder>/<segment number>``. Every log is a pair of NumPy arrays without a suffix:
-``t``, seconds since the device started, and ``value``.
+The trip is ``<drive folder>/<segment number>``, the vehicle the device that a drive folder's name begins with
+(``<device>|<start>``, the bar also written as an underscore). Every log is a pair of NumPy arrays without a
+suffix: ``t``, seconds since the device started, and ``value``.
 
 ==============================  ===============================  ==========================================
 Log                             Value                            Use
@@ -32,6 +33,7 @@ yet". Repaired: "out of time order". Missing epochs are missing. A missing CAN o
 out. Numbers that are not finite, and arrays of other shapes, are errors.
 """
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from tokenize import TokenError
@@ -47,12 +49,16 @@ from modelcast.io.rows import Rows, are_numbers, located, make_trip, ordered
 from modelcast.io.spmd import valid_position
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["Comma2k19Reader"]
+__all__ = ["MOST_BYTES", "Comma2k19Reader"]
+
+MOST_BYTES = 32 * 2**20
+"""Octets of one log of a segment; those of a minute have at most some hundred thousand."""
 
 _LOG = "processed_log"
 _GNSS, _SPEED, _GYRO = "GNSS/live_gnss_ublox", "CAN/speed", "IMU/gyro"
 _YAW_WINDOW_S = 0.1
 """The gyro is averaged over one GNSS step."""
+_DRIVE = re.compile(r"([0-9a-f]{16})[|_]\d{4}-\d\d-\d\d--")
 _DEPTH = 4
 """Levels of folders above a segment at which segments are looked for."""
 
@@ -85,6 +91,7 @@ class Comma2k19Reader(AbstractTripReader):
                 trip = make_trip(
                     str(segment), trip_id, rows, tally,
                     count=count, source=self.name, origin=origin, unix_offset_s=start_unix_s,
+                    vehicle=device[1] if (device := _DRIVE.match(whole.parent.name)) else "",
                 )  # fmt: skip
             if trip is None:
                 on_skipped(trip_id, tally.why_empty())
@@ -164,6 +171,8 @@ def _log(segment: Path, name: str, width: int) -> tuple[FloatArray, FloatArray]:
 
 def _array(path: Path) -> FloatArray:
     try:
+        if path.stat().st_size > MOST_BYTES:
+            raise DataFormatError(str(path), f"has over {MOST_BYTES:,} octets: a segment is a minute long")
         with path.open("rb") as file:
             loaded = cast("object", np.load(file, allow_pickle=False))
     except (ValueError, EOFError, OSError, SyntaxError, MemoryError, TokenError) as error:

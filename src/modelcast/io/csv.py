@@ -49,6 +49,7 @@ class CsvReader(AbstractTripReader):
     columns: Mapping[str, str] | None = None
     held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "csv"
+    streams: ClassVar[bool] = True
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether the header row has default names of time and position."""

@@ -15,18 +15,22 @@ from array import array
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
-from typing import Generic, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
 import numpy as np
 import polars as pl
 
 from modelcast.core.arrays import IntArray
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.reading_limits import HELD_BYTES, MOST_TRIPS, require_fitting
+from modelcast.io.reading_limits import HELD_BYTES, MOST_TRIPS, too_long
 from modelcast.io.rows import Rows, joined
 
 __all__ = ["AbstractKeyedRows", "Gathered", "KeyedBlock", "gathered", "numbered"]
 
+_REMEDY = (
+    "Give each drive of this vehicle a name of its own, write it into several files, or read it by modelcast "
+    "ingest with more --memory."
+)
 _PART_BYTES = 200
 _COLUMN_BYTES = 120
 """What a part of a trip takes beside its numbers: for itself, and for each column."""
@@ -64,6 +68,9 @@ class AbstractKeyedRows(ABC, Generic[Key]):
 
     path: str
     """What errors call it."""
+
+    needs_rows: ClassVar[bool] = True
+    """Whether a file without any row is an error."""
 
     @property
     @abstractmethod
@@ -237,7 +244,7 @@ def _in_one_pass(file: AbstractKeyedRows[Key], held_bytes: int) -> Iterator[Gath
             return None
         last = block.keys[int(block.number[-1])] if block.keys else last
         partial = partial or block.partial
-    if not held:
+    if not held and file.needs_rows:
         raise _no_rows(file)
     return _released(held, last if partial else None)
 
@@ -258,9 +265,10 @@ def _extents(file: AbstractKeyedRows[Key], held_bytes: int) -> _Extents[Key]:
             block.keys, np.bincount(block.number, minlength=len(block.keys)).tolist(), strict=True
         ):
             at = found.add(key, block.index, rows)
-            require_fitting(
-                file.path, file.called(key), found.rows[at], row_bytes=row_bytes, held_bytes=held_bytes
-            )
+            if found.rows[at] * row_bytes > held_bytes:
+                raise too_long(
+                    file.path, file.called(key), row_bytes=row_bytes, held_bytes=held_bytes, remedy=_REMEDY
+                )
         if len(found.first) > MOST_TRIPS:
             raise DataFormatError(
                 file.path,
@@ -270,7 +278,7 @@ def _extents(file: AbstractKeyedRows[Key], held_bytes: int) -> _Extents[Key]:
         last = block.keys[int(block.number[-1])] if block.keys else last
         if block.partial:
             found.partial = last
-    if not found.place:
+    if not found.place and file.needs_rows:
         raise _no_rows(file)
     return found
 

@@ -46,12 +46,18 @@ from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipp
 from modelcast.io.nmea_epochs import Epoch, epochs_of, midnights, refuse_second_receiver, timed
 from modelcast.io.nmea_receivers import Heard, receivers
 from modelcast.io.nmea_sentences import Fix, parse_fix, sentence_body, sentences, talker_of
+from modelcast.io.packed import recording_stem
+from modelcast.io.reading_limits import require_fitting
 from modelcast.io.rows import Rows, located, make_trip, ordered
 from modelcast.io.text_head import file_head, first_lines
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["NmeaReader"]
+__all__ = ["MOST_BYTES", "NmeaReader"]
 
+MOST_BYTES = 640 * 2**20
+"""What the sentences of a log may take: they are held until all receivers are told apart."""
+
+_SENTENCE_BYTES = 1200
 _POSITION = re.compile(r"\$[A-Z]{2,3}(GGA|RMC),")
 
 
@@ -109,10 +115,13 @@ class NmeaReader(AbstractTripReader):
         """Yield a trip per receiver; the epochs are held in memory."""
         log = _log(path)
         found = receivers(log.heard)
+        log.heard.clear()
         faults = log.faults
-        for name, heard in found.items():
-            receiver = "receiver" if len(found) == 1 else f"receiver-{name}"
-            trip_id = f"{Path(path).stem}/{receiver}"
+        alone = len(found) == 1
+        for name in list(found):
+            heard = found.pop(name)
+            receiver = "receiver" if alone else f"receiver-{name}"
+            trip_id = f"{recording_stem(path)}/{receiver}"
             tally = Tally()
             for reason, count in faults.items():
                 tally.skip(reason, count)
@@ -134,6 +143,7 @@ def _log(path: str) -> _Log:
     """
     file_head(path)
     log = _Log()
+    name = f"{recording_stem(path)}/receiver"
     empty = True
     line = ""
     days, last_s = 0, float("nan")
@@ -148,6 +158,7 @@ def _log(path: str) -> _Log:
                 if fix.valid and np.isfinite(fix.time_of_day_s):
                     days += midnights(last_s, fix.time_of_day_s)
                     last_s = fix.time_of_day_s
+                require_fitting(path, name, len(log.heard), row_bytes=_SENTENCE_BYTES, held_bytes=MOST_BYTES)
                 log.heard.append(Heard(len(log.heard), number, talker_of(body), days, fix))
         if not line.endswith("\n"):
             log.cut(line)
@@ -176,6 +187,7 @@ def _refuse(path: str, log: _Log) -> None:
 def _trip(path: str, trip_id: str, heard: list[Heard], tally: Tally, *, faulty: int) -> Trajectory | None:
     """Return one receiver's trip, or None where no epoch is usable."""
     epochs = epochs_of(heard)
+    heard.clear()
     refuse_second_receiver(path, epochs)
     epochs, start_unix_s = timed(epochs)
     rows = _rows(epochs, tally)

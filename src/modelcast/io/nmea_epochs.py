@@ -21,6 +21,8 @@ _NEXT_TO_EACH_OTHER_M = 50.0
 """The same where one follows the other directly: one of the two may have been rounded badly."""
 _WAITING = 50
 """Epochs that an RMC may come after its GGA, and the other way round."""
+_LOOKED_THROUGH = 1000
+"""Instants among which those that wait no more are looked for."""
 _BOTH = "GGA+RMC"
 
 
@@ -50,6 +52,9 @@ def epochs_of(heard: Sequence[Heard]) -> list[Epoch]:
     waiting: dict[tuple[int, float] | None, list[int]] = {}
     for one in heard:
         key = one.instant if one.fix.time_of_day_s == one.fix.time_of_day_s else None
+        if len(waiting) > _LOOKED_THROUGH:
+            oldest = len(epochs) - _WAITING
+            waiting = {key: places for key, places in waiting.items() if places and places[-1] >= oldest}
         places = waiting.setdefault(key, [])
         places[:] = [at for at in places if at >= len(epochs) - _WAITING]
         at = next((at for at in places if _completes(epochs[at], one)), None)

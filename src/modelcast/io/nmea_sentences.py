@@ -8,7 +8,8 @@ NMEA 0183, sentence formatters GGA and RMC.
 import re
 from dataclasses import dataclass, replace
 from datetime import date
-from functools import reduce
+from functools import lru_cache, reduce
+from sys import intern
 
 import numpy as np
 
@@ -115,7 +116,7 @@ def talker_of(body: str) -> str:
     >>> talker_of("GNRMC,,V")
     'GN'
     """
-    return body.partition(",")[0][:-3]
+    return intern(body.partition(",")[0][:-3])
 
 
 def parse_fix(body: str) -> Fix | None:
@@ -129,7 +130,7 @@ def parse_fix(body: str) -> Fix | None:
         Where a field is not what the sentence says it is.
     """
     fields = body.split(",")
-    kind = fields[0][-3:]
+    kind = intern(fields[0][-3:])
     needed = {"GGA": 12, "RMC": 10}.get(kind)
     if needed is None or len(fields[0]) not in {5, 6}:
         return None
@@ -211,8 +212,9 @@ def _angle_deg(text: str, side: str, sides: str, bound: float) -> float:
     return angle if side == sides[0] else -angle
 
 
+@lru_cache(maxsize=64)
 def _day(text: str) -> date | None:
-    """Return a date ddmmyy, None where it is blank or not set yet."""
+    """Return a date ddmmyy, None where it is blank or not set yet; sentences of a day share one."""
     if not text:
         return None
     if len(text) != 6 or not text.isdecimal():

@@ -35,10 +35,14 @@ import numpy as np
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.packed import recording_stem
 from modelcast.io.rows import LARGEST, Rows, make_trip, ordered, with_missing
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["Event", "NycCvpdReader", "event_number", "read_event"]
+__all__ = ["MOST_BYTES", "Event", "NycCvpdReader", "event_number", "read_event"]
+
+MOST_BYTES = 32 * 2**20
+"""Octets of an event; published ones have half a million, and JSON takes ten times as much when read."""
 
 _CORE = ("T_s", "X_m", "Y_m", "Z_m", "speed_mps", "heading_deg")
 _ACCELERATION = ("long_mpss", "yaw_dps")
@@ -57,7 +61,7 @@ class NycCvpdReader(AbstractTripReader):
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per vehicle, in order of first appearance; the file is held whole."""
-        stem = Path(path).stem
+        stem = recording_stem(path)
         for vehicle, (records, values) in _messages(path).items():
             tally = Tally()
             raw = np.asarray(values, dtype=np.float64)
@@ -135,6 +139,12 @@ def read_event(path: str) -> Event:
     DataFormatError
         Where it is not JSON, holds no messages, or one has no core data or names no vehicle.
     """
+    octets = Path(path).stat().st_size
+    if octets > MOST_BYTES:
+        raise DataFormatError(
+            path, f"has {octets:,} octets: an event is held whole, up to {MOST_BYTES:,}",
+            remedy="Write its messages into several events, or as csv.",
+        )  # fmt: skip
     try:
         event = cast("object", json.loads(Path(path).read_text(encoding="utf-8-sig")))
     except (ValueError, RecursionError) as error:

@@ -44,6 +44,8 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.openacc_layout import GEODETIC, LOCAL, Layout, openacc_layout
+from modelcast.io.packed import recording_stem
+from modelcast.io.reading_limits import HELD_BYTES, require_fitting
 from modelcast.io.rows import Rows, joined, located, make_trip
 from modelcast.io.text_blocks import number_column, read_blocks
 from modelcast.io.text_head import first_lines, split_fields
@@ -71,6 +73,7 @@ class OpenAccReader(AbstractTripReader):
     """Reads OpenACC ZalaZONE files; the module's docstring has the columns and the repairs."""
 
     name: ClassVar[str] = "openacc"
+    streams: ClassVar[bool] = True
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether the metadata lines of the format are there."""
@@ -107,7 +110,7 @@ def read_platoon(path: str | Path, *, length_m: float = 4.5) -> Replay:
 def _trips_on_one_clock(path: str, on_skipped: OnSkipped) -> Iterator[Trajectory]:
     """Yield a trip per car, with the file's time of its first sample as `start_unix_s`."""
     layout = openacc_layout(path)
-    stem = Path(path).stem
+    stem = recording_stem(path)
     cars, partial = _cars(path, layout)
     frame = _frame(cars, absolute=layout.height == "altitude_m")
     for number, name in enumerate(layout.names, start=1):
@@ -142,8 +145,13 @@ def _cars(path: str, layout: Layout) -> tuple[dict[int, Rows], bool]:
     time = layout.header.index("Time")
     wanted = [time, *(place for fields in layout.cars.values() for place in fields.values())]
     partial = False
+    rows = 0
     for block in read_blocks(path, counts=[len(layout.header)], fields=wanted, skip_lines=layout.line):
         partial = partial or block.partial > 0
+        rows += len(block.line)
+        require_fitting(
+            path, recording_stem(path), rows, row_bytes=16 * len(wanted), held_bytes=2 * HELD_BYTES
+        )
         t_s = number_column(path, block, time, "Time")
         for number, pieces in parts.items():
             columns = {"t_s": t_s}

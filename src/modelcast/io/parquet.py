@@ -24,6 +24,7 @@ import pyarrow.parquet as pq
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.arrow_trips import PART_ROWS, ArrowTable, is_text
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
+from modelcast.io.parquet_guard import require_modest_footer, require_modest_pages
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.table_trips import table_trips
 from modelcast.trips.trajectory import Trajectory
@@ -66,20 +67,25 @@ class ParquetReader(AbstractTripReader):
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per vehicle, as `modelcast.io.gathering` gathers them."""
-        with _told(path), pq.ParquetFile(path) as file:
-            metadata, schema = file.metadata, file.schema_arrow
+        with _told(path), Path(path).open("rb") as file:
+            require_modest_footer(path, file)
+            metadata: Any = pq.read_metadata(file)
+            schema = metadata.schema.to_arrow_schema()
+        checked: set[str] = set()
 
         def batches(wanted: Sequence[str]) -> Iterator[Any]:
             # pyarrow, because polars ends the whole process on some damaged files.
             words = [name for name in wanted if is_text(schema.field(name).type)]
-            with (
-                _told(path),
-                pq.ParquetFile(
-                    path, metadata=metadata, page_checksum_verification=True,
-                    read_dictionary=words, buffer_size=_BUFFER_BYTES,
-                ) as file,
-            ):  # fmt: skip
-                yield from file.iter_batches(batch_size=PART_ROWS, columns=list(wanted))
+            with _told(path), Path(path).open("rb") as file:
+                if not checked.issuperset(wanted):
+                    require_modest_pages(path, file, metadata, wanted)
+                    checked.update(wanted)
+                # Buffering ahead would hold a whole row group, packed.
+                opened = pq.ParquetFile(
+                    file, metadata=metadata, page_checksum_verification=True,
+                    read_dictionary=words, buffer_size=_BUFFER_BYTES, pre_buffer=False,
+                )  # fmt: skip
+                yield from opened.iter_batches(batch_size=PART_ROWS, columns=list(wanted))
 
         with _told(path):
             table = ArrowTable(path, self.columns, schema, metadata.num_rows, batches)

@@ -20,13 +20,14 @@ draft-ietf-opsawg-pcap and draft-ietf-opsawg-pcapng; the registry of link types 
 
 import struct
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
+from typing import BinaryIO, NamedTuple
 
 from modelcast.core.exceptions import DataFormatError
 
 __all__ = [
     "ETHERTYPE_WSMP",
     "LINK_ETHERNET",
+    "CaptureFile",
     "CapturedFrame",
     "frames_of",
     "is_capture",
@@ -78,6 +79,28 @@ class CapturedFrame(NamedTuple):
     cut: int = 0
 
 
+class CaptureFile:
+    """The octets of a capture in a file, read as they are asked for.
+
+    Parameters
+    ----------
+    file
+        Open for reading, in any place.
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._size = file.seek(0, 2)
+
+    def __len__(self) -> int:
+        return self._size
+
+    def __getitem__(self, part: slice) -> bytes:
+        begin, end, _ = part.indices(self._size)
+        self._file.seek(begin)
+        return self._file.read(max(end - begin, 0))
+
+
 def is_capture(head: bytes) -> bool:
     """Whether octets begin as a capture does.
 
@@ -89,7 +112,7 @@ def is_capture(head: bytes) -> bool:
     return head[:4] in _CLASSIC or (head[:4] == _SECTION and head[8:12] in _ORDERS)
 
 
-def frames_of(content: bytes, path: str = "capture") -> Iterator[CapturedFrame]:
+def frames_of(content: bytes | CaptureFile, path: str = "capture") -> Iterator[CapturedFrame]:
     """Yield the records of a capture in order.
 
     Parameters
@@ -106,7 +129,7 @@ def frames_of(content: bytes, path: str = "capture") -> Iterator[CapturedFrame]:
     """
     if content[:4] in _CLASSIC:
         yield from _classic(content, path)
-    elif is_capture(content):
+    elif is_capture(content[:12]):
         yield from _blocks(content, path)
     else:
         raise DataFormatError(
@@ -120,16 +143,16 @@ def _fault(path: str, what: str, number: int) -> DataFormatError:
     )
 
 
-def _classic(content: bytes, path: str) -> Iterator[CapturedFrame]:
+def _classic(content: bytes | CaptureFile, path: str) -> Iterator[CapturedFrame]:
     order, ticks = _CLASSIC[content[:4]]
     if len(content) < 24:
         raise _fault(path, "the file ends within its head", 0)
-    link = struct.unpack_from(order + "I", content, 20)[0] & 0xFFFF
+    link = struct.unpack(order + "I", content[20:24])[0] & 0xFFFF
     at, number = 24, 1
     while at < len(content):
         if len(content) - at < 16:
             raise _fault(path, "the file ends within its head", number)
-        seconds, parts, count, whole = struct.unpack_from(order + "IIII", content, at)
+        seconds, parts, count, whole = struct.unpack(order + "IIII", content[at : at + 16])
         at += 16
         if count > min(_MOST_OCTETS, len(content) - at):
             raise _fault(path, f"{count} octets, and {len(content) - at} are left", number)
@@ -144,7 +167,7 @@ class _Interface(NamedTuple):
     ticks: int
 
 
-def _blocks(content: bytes, path: str) -> Iterator[CapturedFrame]:
+def _blocks(content: bytes | CaptureFile, path: str) -> Iterator[CapturedFrame]:
     order = "<"
     interfaces: list[_Interface] = []
     at, number = 0, 1
@@ -156,7 +179,7 @@ def _blocks(content: bytes, path: str) -> Iterator[CapturedFrame]:
             order, interfaces = found, []
         if len(content) - at < 12:
             raise _fault(path, "the file ends within a block", number)
-        kind, size = struct.unpack_from(order + "II", content, at)
+        kind, size = struct.unpack(order + "II", content[at : at + 8])
         if size < 12 or size % 4 or size > len(content) - at:
             raise _fault(path, f"a block of {size} octets, and {len(content) - at} are left", number)
         body = content[at + 8 : at + size - 4]

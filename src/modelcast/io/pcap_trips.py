@@ -19,7 +19,8 @@ says. Other records, and messages behind unread
 certificates, are told with their numbers under the name of the file.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import ClassVar
 
@@ -27,14 +28,18 @@ import numpy as np
 
 from modelcast.core.geodesy import Origin
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
-from modelcast.io.captured import Captured
+from modelcast.io.captured import Captured, CapturedMessage
+from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered
+from modelcast.io.packed import recording_stem
 from modelcast.io.pcap import is_capture
+from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, located, make_trip, ordered
 from modelcast.io.spmd import valid_position
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["PcapReader"]
 
+_BLOCK_MESSAGES = 20_000
 _COLUMNS = {
     "latitude_deg": "latitude_deg",
     "longitude_deg": "longitude_deg",
@@ -56,38 +61,83 @@ class PcapReader(AbstractTripReader):
         del path
         return is_capture(head)
 
+    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
+        self._held_bytes = held_bytes
+
+    def within(self, held_bytes: int) -> "PcapReader":
+        """Return the reader with another limit."""
+        return PcapReader(held_bytes)
+
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
-        """Yield a trip per temporary id, in the order in which they were first heard."""
-        capture = Captured(path)
-        heard: dict[int, list[tuple[int, float, dict[str, float]]]] = {}
-        for message in capture.messages():
-            values = message.core.values()
-            row = {name: _number(values[of]) for name, of in _COLUMNS.items()}
-            heard.setdefault(message.temporary_id, []).append((message.number, _number(message.t_s), row))
-        for told in capture.told():
-            on_skipped(Path(path).stem, told)
-        for temporary_id, rows in heard.items():
-            name = f"{Path(path).stem}/{temporary_id:08x}"
-            tally = Tally()
-            trip = _trip(path, name, rows, tally)
+        """Yield a trip per temporary id, as `modelcast.io.gathering` gathers them."""
+        capture = _CapturedRows(path)
+        trips = gathered(capture, self._held_bytes)
+        found = next(trips, None)
+        for told in capture.told:
+            on_skipped(recording_stem(path), told)
+        while found is not None:
+            name, tally = capture.called(found.key), Tally()
+            trip = _trip(path, name, found.rows, tally)
             if trip is None:
                 on_skipped(name, tally.why_empty())
             else:
                 yield trip
+            found = next(trips, None)
+
+
+class _CapturedRows(AbstractKeyedRows[int]):
+    """The messages of a capture; `told` is what is to be said of other records, once all were read."""
+
+    needs_rows: ClassVar[bool] = False
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self.told: list[str] = []
+
+    @property
+    def columns(self) -> int:
+        """Time and what a trip takes."""
+        return 1 + len(_COLUMNS)
+
+    @property
+    def rows_expected(self) -> int | None:
+        """Only reading tells."""
+        return None
+
+    def called(self, key: int) -> str:
+        """``<stem>/<id>``."""
+        return f"{recording_stem(self.path)}/{key:08x}"
+
+    def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[int]]:
+        """Yield messages some at a time."""
+        capture = Captured(self.path)
+        messages = capture.messages()
+        index = 0
+        while several := list(islice(messages, _BLOCK_MESSAGES)):
+            ids = [message.temporary_id for message in several]
+            place = {key: at for at, key in enumerate(dict.fromkeys(ids))}
+            number = np.array([place[key] for key in ids], dtype=np.int64)
+            yield KeyedBlock(index, list(place), number, _rows(several) if rows else None)
+            index += 1
+        self.told = capture.told()
+
+
+def _rows(messages: Sequence[CapturedMessage]) -> Rows:
+    values = [message.core.values() for message in messages]
+    columns = {name: np.array([_number(one[of]) for one in values]) for name, of in _COLUMNS.items()}
+    t_s = np.array([_number(message.t_s) for message in messages])
+    return Rows(np.array([message.number for message in messages], dtype=np.int64), {"t_s": t_s, **columns})
 
 
 def _number(value: float | None) -> float:
     return np.nan if value is None else value
 
 
-def _trip(
-    path: str, name: str, heard: list[tuple[int, float, dict[str, float]]], tally: Tally
-) -> Trajectory | None:
-    times = np.array([t_s for _, t_s, _ in heard])
+def _trip(path: str, name: str, heard: Rows, tally: Tally) -> Trajectory | None:
+    times = heard.columns["t_s"]
     known = times[np.isfinite(times)]
     start_s = float(known.min()) if known.size else 0.0
-    columns = {column: np.array([row[column] for _, _, row in heard]) for column in _COLUMNS}
-    rows = Rows(np.array([number for number, _, _ in heard]), {"t_s": times - start_s, **columns})
+    rows = heard.having(t_s=times - start_s)
     rows = rows.without(np.isnan(rows.columns["t_s"]), "time missing", tally)
     placed = valid_position(rows.columns["latitude_deg"], rows.columns["longitude_deg"])
     rows = rows.without(~placed, "position unavailable", tally)

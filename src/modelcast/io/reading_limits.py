@@ -15,7 +15,9 @@ MOST_TRIPS = 1_000_000
 """Trips of one file; each takes some hundred octets while the others are looked for."""
 
 
-def too_long(path: str, trip: str, *, row_bytes: int, held_bytes: int) -> DataFormatError:
+def too_long(
+    path: str, trip: str, *, row_bytes: int, held_bytes: int, remedy: str = "Write it into several files."
+) -> DataFormatError:
     """Return the error about a trip that alone is more than may be held.
 
     Parameters
@@ -28,12 +30,14 @@ def too_long(path: str, trip: str, *, row_bytes: int, held_bytes: int) -> DataFo
         Octets that a row takes.
     held_bytes
         The limit.
+    remedy
+        What the user can do.
     """
     return DataFormatError(
         path,
         f"the trip {trip} has over {held_bytes // row_bytes:,} rows, which take more than the "
         f"{held_bytes / 2**20:,.0f} MiB that the numbers of one trip may",
-        remedy="Give each drive of this vehicle a name of its own, or write it into several files.",
+        remedy=remedy,
     )
 
 

@@ -7,8 +7,10 @@ from typing import Literal
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
+from modelcast.io.packed import archive_members, is_archive, member_of, recording_name
 from modelcast.io.places import place_kind, readable_kind
 from modelcast.io.registry import detect_format, get_reader, reader_names
+from modelcast.io.unpacking import packed_trips
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["Recording", "Recordings"]
@@ -41,7 +43,7 @@ class Recording:
             Where it is not what its format says, or the operating system refuses it.
         """
         try:
-            yield from self.reader.read(self.path, self.on_skipped)
+            yield from packed_trips(self.reader, self.path, self.on_skipped)
         except OSError as error:
             raise _refused(self.path, error) from error
         except UnicodeDecodeError as error:
@@ -52,10 +54,10 @@ class Recording:
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """Where to look next: a path the user named, an entry of a folder, or the end of a named folder."""
+    """Where to look next: a path a user named, what a folder or archive holds, the end of a named one."""
 
     path: str
-    kind: Literal["named", "entry", "end"]
+    kind: Literal["named", "entry", "member", "end"]
 
 
 class Recordings(Iterator[Recording]):
@@ -133,13 +135,21 @@ class Recordings(Iterator[Recording]):
         if place.kind == "end":
             self._require_tried(place.path)
             return None
+        if place.kind == "member":
+            return self._known(place.path)
         if place.kind == "entry":
             kind = self._entry_kind(at)
+        elif member_of(place.path) is not None:
+            kind = "file"
+            self._root, self._tried = at, False
         else:
             kind = readable_kind(at)
             self._root, self._tried = at, False
-            if kind == "folder":
+            if kind == "folder" or is_archive(at):
                 self._waiting.append(_Place(place.path, "end"))
+        if kind == "file" and is_archive(at):
+            self._put_members(place.path)
+            return None
         if kind == "file" and place.kind == "named":
             return self._opened(place.path, self._format or self._detected(place.path))
         if kind == "folder" and not any(get_reader(name).matches(at, b"") for name in reader_names()):
@@ -147,11 +157,19 @@ class Recordings(Iterator[Recording]):
             return None
         return None if kind is None else self._known(place.path)
 
+    def _put_members(self, archive: str) -> None:
+        """Put the members of an archive in line, each a recording; tell what is left out."""
+        members, left = archive_members(archive)
+        for path, reason in left.items():
+            self._report(path, reason)
+        self._waiting += [_Place(member.path, "member") for member in reversed(members)]
+
     def _require_tried(self, folder: str) -> None:
         if not self._tried:
             raise DataFormatError(
                 folder,
-                "no file in this folder is a trip that a reader knows",
+                f"no file in this {'folder' if Path(folder).is_dir() else 'archive'} is a trip that a reader "
+                "knows",
                 remedy="Name the files and their format.",
             )
 
@@ -198,7 +216,7 @@ class Recordings(Iterator[Recording]):
         try:
             return detect_format(path)
         except DataFormatError:
-            if self._columns is not None and Path(path).suffix.lower() in {".csv", ".txt"}:
+            if self._columns is not None and Path(recording_name(path)).suffix.lower() in {".csv", ".txt"}:
                 return "csv"
             raise
 

@@ -13,6 +13,7 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.open_group import OpenGroup
 from modelcast.io.base import AbstractTripReader
 from modelcast.io.column_map import example_map
+from modelcast.io.packed import member_of, open_octets, recording_name
 from modelcast.io.places import readable_kind
 from modelcast.io.table_layout import table_layout
 from modelcast.io.text_head import first_lines, refuse_utf16
@@ -29,6 +30,18 @@ FORMATS: Mapping[str, str] = MappingProxyType(
         "nyc-cvpd": "modelcast.io.nyc_cvpd:NycCvpdReader",
         "nmea": "modelcast.io.nmea:NmeaReader",
         "smartloc": "modelcast.io.smartloc:SmartLocReader",
+        "kitti-poses": "modelcast.io.kitti_poses:KittiPosesReader",
+        "kitti-oxts": "modelcast.io.kitti_oxts:KittiOxtsReader",
+        "highd": "modelcast.io.highd:HighDReader",
+        "ind": "modelcast.io.ind:IndReader",
+        "sumo-fcd": "modelcast.io.fcd_trips:FcdReader",
+        "gpx": "modelcast.io.gpx:GpxReader",
+        "interaction": "modelcast.io.interaction:InteractionReader",
+        "ngsim": "modelcast.io.ngsim:NgsimReader",
+        "ode-bsm": "modelcast.io.ode_bsm:OdeBsmReader",
+        "cv-pilot": "modelcast.io.cv_pilot:CvPilotReader",
+        "ros2-mcap": "modelcast.io.ros_mcap:RosMcapReader",
+        "ros2-db3": "modelcast.io.ros_db3:RosDb3Reader",
         "pcap": "modelcast.io.pcap_trips:PcapReader",
         "parquet": "modelcast.io.parquet:ParquetReader",
         "csv": "modelcast.io.csv:CsvReader",
@@ -76,15 +89,16 @@ def detect_format(path: str | Path) -> str:
         Where the file does not exist, is a pipe or a device, is empty, or no reader knows it.
     """
     at = Path(path)
-    head = b""
-    if readable_kind(at) == "file":
-        with at.open("rb") as file:
+    head, named = b"", at
+    if member_of(at) is not None or readable_kind(at) == "file":
+        with open_octets(path) as file:
             head = file.read(_HEAD_BYTES)
+        named = at.with_name(recording_name(at))
         if not head.strip():
             raise DataFormatError(str(path), "the file is empty", remedy="Check that it is complete.")
         refuse_utf16(str(path), head)
     for name in reader_names():
-        if get_reader(name).matches(at, head):
+        if get_reader(name).matches(named, head):
             return name
     raise DataFormatError(
         str(path),

@@ -21,6 +21,7 @@ Skipped and counted: "partial last line" (also a cut last number), "no first val
 Repaired and counted: "odometry missing, last value held". Time running backwards is an error.
 """
 
+from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +33,8 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import ecef_to_enu
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.packed import is_there
+from modelcast.io.reading_limits import HELD_BYTES, require_fitting
 from modelcast.io.rows import LARGEST, Rows, make_trip
 from modelcast.io.text_head import first_lines
 from modelcast.trips.trajectory import Trajectory
@@ -74,7 +77,7 @@ class SmartLocReader(AbstractTripReader):
     def stands_for(self, path: Path) -> Path:
         """Return the ground-truth file, where there is one beside this file."""
         truth = path.with_name(path.name.removesuffix(_INPUT) + _TRUTH)
-        return truth if path.name.endswith(_INPUT) and truth.exists() else path
+        return truth if path.name.endswith(_INPUT) and is_there(truth) else path
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield the drive's one trip."""
@@ -139,8 +142,8 @@ def _odometry_at(t_s: FloatArray, odometry: FloatArray, tally: Tally) -> dict[st
 
 def _measurements(path: str) -> _Measurements:
     """Return what one file holds."""
-    lines: list[int] = []
-    values: dict[str, list[list[float]]] = {word: [] for word in _WORDS}
+    lines = array("q")
+    values = {word: array("d") for word in _WORDS}
     other = cut = 0
     with Path(path).open(encoding="utf-8-sig", errors="replace", newline=None) as file:
         for number, line in enumerate(file, start=1):
@@ -154,14 +157,18 @@ def _measurements(path: str) -> _Measurements:
                 _check_other(path, number, words)
                 other += 1
             else:
-                values[words[0]].append(_floats(path, number, words, needed))
-                lines += [number] * (words[0] == "point3")
+                values[words[0]].extend(_floats(path, number, words, needed))
+                if words[0] == "point3":
+                    lines.append(number)
+                    rows, row_bytes = len(lines), 8 * (needed + 1)
+                    trip = f"{Path(path).stem}/car"
+                    require_fitting(path, trip, rows, row_bytes=row_bytes, held_bytes=HELD_BYTES)
     point, odometry = (_table(values[word], needed) for word, needed in _WORDS.items())
     return _Measurements(np.asarray(lines, np.int64), point, odometry, other, cut)
 
 
-def _table(values: list[list[float]], width: int) -> FloatArray:
-    return np.asarray(values, dtype=np.float64).reshape(-1, width)
+def _table(values: "array[float]", width: int) -> FloatArray:
+    return np.array(values, dtype=np.float64).reshape(-1, width)
 
 
 def _check_other(path: str, number: int, words: list[str]) -> None:

@@ -16,6 +16,7 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
 from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered, numbered
+from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, located, make_trip, ordered, with_missing
 from modelcast.io.text_blocks import Block, number_column, read_blocks, text_column
@@ -204,6 +205,8 @@ class AbstractSpmdReader(AbstractTripReader):
         Octets of numbers that may be gathered at a time.
     """
 
+    streams = True
+
     def __init__(self, held_bytes: int = HELD_BYTES) -> None:
         self._held_bytes = held_bytes
 
@@ -260,7 +263,7 @@ class _SpmdRows(AbstractKeyedRows[Key]):
 
     def called(self, key: Key) -> str:
         """``<stem>/<vehicle>``."""
-        return f"{Path(self.path).stem}/{self.file.layout.trip_name(key)}"
+        return f"{recording_stem(self.path)}/{self.file.layout.trip_name(key)}"
 
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[Key]]:
         """Yield the file's blocks; blocks of text."""

@@ -9,7 +9,6 @@ with such a position are skipped and counted; such values of other columns are m
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import polars as pl
@@ -20,6 +19,7 @@ from modelcast.core.geodesy import Origin, wrap_angle_rad
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.column_map import ColumnMap
 from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered, numbered
+from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import OPTIONAL, Rows, are_unknown_to_sumo, located, make_trip, with_missing
 from modelcast.io.time_column import TimeUnit
@@ -161,7 +161,7 @@ class _TableRows(AbstractKeyedRows[str]):
     def called(self, key: str) -> str:
         """The label where it is a complete identifier, else ``<stem>/<label>``."""
         found = self._table.found
-        return key if found.whole_id and found.label is not None else f"{Path(self.path).stem}/{key}"
+        return key if found.whole_id and found.label is not None else f"{recording_stem(self.path)}/{key}"
 
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[str]]:
         """Yield the table's parts."""

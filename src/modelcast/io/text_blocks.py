@@ -14,13 +14,14 @@ import io
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import polars as pl
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
+from modelcast.io.packed import open_octets
 from modelcast.io.rows import are_numbers
 from modelcast.io.text_head import BOM
 
@@ -34,6 +35,9 @@ __all__ = [
 
 BLOCK_BYTES = 16 * 2**20
 """Bytes of text parsed at a time."""
+
+_MOST_LINE_BYTES = 2**26
+"""No line of a table is longer."""
 
 _NEWLINE = ord("\n")
 _BLANK = ("", "NULL")
@@ -104,8 +108,8 @@ def read_blocks(
     wanted = sorted(set(fields))
     width = max(counts) if width is None else width
     first_line = 1
-    with Path(path).open("rb") as file:
-        for index, raw in enumerate(_whole_lines(file)):
+    with open_octets(path) as file:
+        for index, raw in enumerate(_whole_lines(path, file)):
             ends = _line_ends(raw)
             lines = ends.size
             skip = min(max(skip_lines - (first_line - 1), 0), lines)
@@ -129,7 +133,7 @@ def _line_ends(text: bytes) -> IntArray:
     return np.flatnonzero(np.frombuffer(text, np.uint8) == _NEWLINE)
 
 
-def _whole_lines(file: io.BufferedReader) -> Iterator[bytes]:
+def _whole_lines(path: str, file: BinaryIO) -> Iterator[bytes]:
     """Yield the file cut at line ends, all made LF, without byte order mark; NUL marks a missing last one."""
     rest = b""
     first = True
@@ -145,6 +149,10 @@ def _whole_lines(file: io.BufferedReader) -> Iterator[bytes]:
         cut = chunk.rfind(b"\n") + 1
         if cut == 0:
             rest += chunk
+            if len(rest) > _MOST_LINE_BYTES:
+                raise DataFormatError(
+                    path, f"has a line of over {_MOST_LINE_BYTES:,} octets", remedy="It is no table of text."
+                )
             continue
         yield rest + chunk[:cut]
         rest = chunk[cut:]

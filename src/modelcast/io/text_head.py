@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from modelcast.core.exceptions import DataFormatError
+from modelcast.io.packed import is_packed, open_octets
 
 __all__ = ["BOM", "file_head", "first_lines", "refuse_utf16", "rows_expected", "split_fields"]
 
@@ -29,20 +30,22 @@ def file_head(path: str) -> bytes:
     DataFormatError
         Where it is UTF-16.
     """
-    with Path(path).open("rb") as file:
+    with open_octets(path) as file:
         head = file.read(_HEAD_BYTES)
     refuse_utf16(path, head)
     return head
 
 
 def rows_expected(path: str) -> int | None:
-    """Return about how many lines a file of text has, by its size and its first lines.
+    """Return about how many lines a file of text has, by its size and first lines; None for a packed one.
 
     Parameters
     ----------
     path
         The file.
     """
+    if is_packed(path):
+        return None
     head = file_head(path)
     lines = max(head.count(b"\n"), head.count(b"\r"), 1)
     return Path(path).stat().st_size * lines // max(len(head), 1)

@@ -4,7 +4,7 @@ One row a sample, columns always the same, empty where a trip does not have them
 ``east_m``, ``north_m``, ``up_m``, ``speed_mps``, ``heading_rad``, ``acceleration_mps2``,
 ``yaw_rate_radps``, and, constant in a trip, ``origin_latitude_deg``, ``origin_longitude_deg``,
 ``origin_altitude_m``, ``start_unix_s``. Identifiers, samples, origin and start survive; the counts of what
-was skipped, the name of the first format and the resampling mark do not. Trips are written one at a time.
+was skipped, the name of the first format and the resampling mark do not. Memory: a row group.
 """
 
 # pyarrow has no type stubs: what comes out of it is unknown to pyright.
@@ -25,7 +25,10 @@ from modelcast.core.arrays import FloatArray
 from modelcast.io.output import atomic_file
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["TRIP_COLUMNS", "write_csv", "write_parquet"]
+__all__ = ["GROUP_ROWS", "TRIP_COLUMNS", "write_csv", "write_parquet"]
+
+GROUP_ROWS = 250_000
+"""Least rows of a row group but the last: what a file says of its row groups is held until it is complete."""
 
 
 def write_csv(trips: Trajectory | Iterable[Trajectory], out: str | Path | BinaryIO) -> None:
@@ -57,7 +60,7 @@ def write_csv(trips: Trajectory | Iterable[Trajectory], out: str | Path | Binary
 
 
 def write_parquet(trips: Trajectory | Iterable[Trajectory], out: str | Path | BinaryIO) -> None:
-    """Write trips as Parquet, float64, a row group a trip.
+    """Write trips as Parquet, float64; a row group holds whole trips, at least `GROUP_ROWS` rows of them.
 
     Parameters
     ----------
@@ -76,9 +79,16 @@ def write_parquet(trips: Trajectory | Iterable[Trajectory], out: str | Path | Bi
         _opened(out) as file,
         pq.ParquetWriter(file, schema, compression="zstd", write_page_checksum=True) as writer,
     ):
+        waiting: list[Any] = []
+        rows = 0
         for trip in _several(trips):
-            table: Any = _table(trip).to_arrow().cast(schema)
-            writer.write_table(table)
+            waiting.append(_table(trip).to_arrow().cast(schema))
+            rows += len(trip)
+            if rows >= GROUP_ROWS:
+                writer.write_table(pa.concat_tables(waiting))
+                waiting, rows = [], 0
+        if waiting:
+            writer.write_table(pa.concat_tables(waiting))
 
 
 def _several(trips: Trajectory | Iterable[Trajectory]) -> Iterator[Trajectory]:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
-from rich.console import Group, RenderableType
+from rich.console import RenderableType
 from rich.table import Table
 
 from modelcast.report.literal import literal
@@ -16,84 +16,81 @@ from modelcast.trips.manoeuvres.base import ManoeuvreCounts
 
 _NEVER_MOVED = "not told: never moved"
 
-__all__ = ["Findings", "inspection_document", "inspection_report"]
+__all__ = ["Findings", "failed_lines", "trip_document", "trip_table"]
 
 Findings = Mapping[Finding, int] | None
 """Samples of a trip by what plausibility found of them; None where it states no speed or heading."""
 
 
-def inspection_document(
-    found: Sequence[tuple[TripInspection, Findings, ManoeuvreCounts]],
-    failures: Mapping[str, str],
-    skipped: Mapping[str, str],
+def trip_document(
+    one: TripInspection,
+    findings: Findings,
+    manoeuvres: ManoeuvreCounts,
     *,
     thresholds_m: Sequence[float],
 ) -> dict[str, Any]:
-    """Everything as plain values; a number that does not exist is None.
+    """What was found of a trip as plain values; a number that does not exist is None.
 
     Parameters
     ----------
-    found
-        One inspection a trip, with what plausibility found and its manoeuvres.
-    failures
-        Files that could not be read, with the reason.
-    skipped
-        Vehicles and files that held no trip, with the reason.
+    one
+        Its inspection.
+    findings
+        What plausibility found.
+    manoeuvres
+        Its manoeuvres.
     thresholds_m
         Tracking-error thresholds that the noise is judged by [m].
     """
-    trips: list[dict[str, Any]] = []
-    for one, findings, manoeuvres in found:
-        plain = {
-            item.name: _finite(getattr(one, item.name)) for item in fields(one) if item.name != "reading"
-        }
-        counts = {
-            "rows": one.reading.rows,
-            "skipped": dict(one.reading.skipped),
-            "repaired": dict(one.reading.repaired),
-            "manoeuvres": {kind.value: count for kind, count in manoeuvres.by_kind.items()},
-            "implausible": None if findings is None else _implausible(findings),
-        }
-        judged = {
-            "warnings": dict(judge(one, thresholds_m, smoothed=_smoothed(one))),
-            "recommended_protocol": one.recommended_protocol,
-        }
-        trips.append({**plain, **counts, **judged})
-    return {
-        "trips": trips,
-        "failures": dict(failures),
-        "skipped": dict(skipped),
-        "thresholds_m": list(thresholds_m),
+    plain = {item.name: _finite(getattr(one, item.name)) for item in fields(one) if item.name != "reading"}
+    counts = {
+        "rows": one.reading.rows,
+        "skipped": dict(one.reading.skipped),
+        "repaired": dict(one.reading.repaired),
+        "manoeuvres": {kind.value: count for kind, count in manoeuvres.by_kind.items()},
+        "implausible": None if findings is None else _implausible(findings),
     }
+    judged = {
+        "warnings": dict(judge(one, thresholds_m, smoothed=_smoothed(one))),
+        "recommended_protocol": one.recommended_protocol,
+    }
+    return {**plain, **counts, **judged}
 
 
 def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def inspection_report(
-    found: Sequence[tuple[TripInspection, Findings, ManoeuvreCounts]],
-    failures: Mapping[str, str],
-    skipped: Mapping[str, str],
-    *,
-    thresholds_m: Sequence[float],
-) -> RenderableType:
-    """A table a trip, at most 100 columns wide, and what gave no trip.
+def failed_lines(failures: Mapping[str, str], skipped: Mapping[str, str]) -> list[RenderableType]:
+    """What gave no trip, a line each.
 
     Parameters
     ----------
-    found, failures, skipped, thresholds_m
-        As in `inspection_document`.
+    failures
+        Files that could not be read, with the reason.
+    skipped
+        Vehicles and files that held no trip, with the reason.
     """
-    parts: list[RenderableType] = [_trip(*one, thresholds_m) for one in found]
-    parts += [literal(f"no trip from {name}: {reason}") for name, reason in skipped.items()]
-    parts += [literal(f"failed: {name}: {reason}", "bold") for name, reason in failures.items()]
-    return Group(*parts)
+    return [
+        *(literal(f"no trip from {name}: {reason}") for name, reason in skipped.items()),
+        *(literal(f"failed: {name}: {reason}", "bold") for name, reason in failures.items()),
+    ]
 
 
-def _trip(
-    one: TripInspection, findings: Findings, manoeuvres: ManoeuvreCounts, thresholds_m: Sequence[float]
+def trip_table(
+    one: TripInspection,
+    findings: Findings,
+    manoeuvres: ManoeuvreCounts,
+    *,
+    thresholds_m: Sequence[float],
 ) -> Table:
+    """What was found of a trip as a table, at most 100 columns wide.
+
+    Parameters
+    ----------
+    one, findings, manoeuvres, thresholds_m
+        As in `trip_document`.
+    """
     table = Table(
         show_header=False, box=None, title=literal(one.trip_id), title_justify="left", title_style="bold"
     )
