@@ -18,12 +18,13 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from corpus_rows import write_rows
 
-__all__ = ["Run", "digests", "ingest", "main"]
+__all__ = ["Run", "digests", "family", "ingest", "main", "measured"]
 
 MILLION = 1_000_000
 COMMAND = (sys.executable, "-m", "modelcast", "ingest")
@@ -43,16 +44,21 @@ class Run:
 def ingest(source: Path, out: Path, jobs: int, more: tuple[str, ...] = ()) -> Run:
     """Ingest a folder and measure it."""
     shutil.rmtree(out, ignore_errors=True)
+    return measured([*COMMAND, str(source), "--out", str(out), "--jobs", str(jobs), "--quiet", *more])
+
+
+def measured(command: Sequence[str], meanwhile: Callable[[int], None] = lambda _: None) -> Run:
+    """Run a command and measure it; a function is called with its process now and then."""
     before = _processor_s()
     begin = time.perf_counter()
-    command = [*COMMAND, str(source), "--out", str(out), "--jobs", str(jobs), "--quiet", *more]
     process = subprocess.Popen(command)  # noqa: S603 - our own command
     most = 0
     while process.poll() is None:
-        most = max(most, _resident_bytes(process.pid))
+        most = max(most, sum(family(process.pid).values()))
+        meanwhile(process.pid)
         time.sleep(LOOK_S)
     if process.returncode:
-        raise SystemExit(f"ingest ended with {process.returncode}")
+        raise SystemExit(f"{' '.join(command[3:5])} ended with {process.returncode}")
     return Run(time.perf_counter() - begin, _processor_s() - before, most)
 
 
@@ -95,8 +101,8 @@ def _processor_s() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def _resident_bytes(root: int) -> int:
-    """Return the resident sets of a process and all below it (Linux)."""
+def family(root: int) -> dict[int, int]:
+    """Return a process and all below it, with their resident sets [octets] (Linux)."""
     parents: dict[int, int] = {}
     resident: dict[int, int] = {}
     for entry in Path("/proc").iterdir():
@@ -107,10 +113,10 @@ def _resident_bytes(root: int) -> int:
                 continue
             parents[int(entry.name)] = int(fields[1])
             resident[int(entry.name)] = int(fields[21]) * PAGE
-    family = {root}
-    while more := {one for one, parent in parents.items() if parent in family} - family:
-        family |= more
-    return sum(resident.get(one, 0) for one in family)
+    found = {root}
+    while more := {one for one, parent in parents.items() if parent in found} - found:
+        found |= more
+    return {one: resident.get(one, 0) for one in found}
 
 
 def main() -> None:

@@ -22,7 +22,8 @@ with NAME and WORDS
         --policy bsm-10hz mbc j2945 --threshold 0.02 --out FOLDER/warnings
 
 How fast the traffic of those calls drives is worked out here. ``--write`` puts the tables into the page,
-``--check`` tells by its exit code whether the page has them.
+``--check`` tells by its exit code whether the page has them. ``--only NAME`` takes the tables of these alone, so
+that one call can be made anew.
 """
 
 import argparse
@@ -101,11 +102,15 @@ def main() -> int:
     """Print the tables, and write or check them where asked."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--only", nargs="+", choices=CALLS, help="make the tables of these calls alone")
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--check", action="store_true")
     given = parser.parse_args()
-    blocks = {"speeds": speeds(), **{name: table(given.folder / name) for name in CALLS}}
-    blocks["misses"] = misses(given.folder / "warnings")
+    blocks = {name: table(given.folder / name) for name in given.only or CALLS}
+    if given.only is None:
+        blocks["speeds"] = speeds()
+    if "warnings" in blocks:
+        blocks["misses"] = misses(given.folder / "warnings")
     for name, lines in blocks.items():
         print(f"{name}\n", *lines, sep="\n")
     if given.write or given.check:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from modelcast.core.cells import Cells
+from modelcast.corpora.evaluation_tables import RATE_ROWS, TRIP_ROWS
 from modelcast.io.ranking import RANKING
 from modelcast.study.compare.result import (
     COUNTS,
@@ -33,6 +34,7 @@ from page_blocks import put
 PAGE = Path(__file__).parents[1] / "docs" / "columns.md"
 TABLES: Mapping[str, tuple[TableSchema, ...]] = {
     "evaluate": (TRIPS, RATES, REFERENCES, TRACKING),
+    "evaluate of a corpus": (TRIP_ROWS, RATE_ROWS),
     "compare": (ROUTES, COUNTS, RATIOS, RIVAL_RATIOS, TRACKING_RATIOS, REFERENCE_RATIOS),
     "coverage": (COVERAGE, TIMES),
     "network": (RUNS, *CASE_TABLES.values(), POOLED, POOLED_WARNINGS, SENDERS, PAIRED, FILM),

@@ -11,8 +11,8 @@ from modelcast.io.trips import read_trips
 
 
 def test_unknown_format_names_the_known_ones(made):
-    with pytest.raises(ConfigError, match=r"Unknown format 'gpx'\. Known: .*spmd-bsm, .*csv\."):
-        list(read_trips(made.valid("csv"), "gpx"))
+    with pytest.raises(ConfigError, match=r"Unknown format 'kml'\. Known: .*spmd-bsm, .*csv\."):
+        list(read_trips(made.valid("csv"), "kml"))
 
 
 def test_file_that_no_reader_knows_is_an_error_with_a_remedy(made):

@@ -11,11 +11,15 @@ import pytest
 
 from made_rows import filled
 from modelcast.core.exceptions import ConfigError
-from modelcast.io import arrow
-from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table
+from modelcast.io import record_files
+from modelcast.io.arrow import EVENTS_SCHEMA, SAMPLES_SCHEMA, columns_table
 from modelcast.io.manifest import MANIFEST
 from modelcast.io.output import atomic_folder
-from modelcast.io.results import summary_document, write_message_trace, write_results
+from modelcast.io.record_files import RecordFiles
+from modelcast.io.results import summary_document, write_message_trace, write_results, write_summary
+from modelcast.station.banks import PAPER_BANK
+from modelcast.study.evaluate import evaluate
+from modelcast.study.recording import joined_columns
 from modelcast.study.result import (
     RATES,
     TRACKING,
@@ -24,6 +28,8 @@ from modelcast.study.result import (
     SampleBlock,
     TripRow,
 )
+from modelcast.study.settings import EvaluationSettings
+from modelcast.world.drive import generate_drive
 
 NAN = float("nan")
 
@@ -66,6 +72,7 @@ def _result() -> EvaluationResult:
             "t_s": np.array([1.5, 0.0, 2.0, 0.0]),
             "kind": np.array(["update", "identification", "update", "update"]),
             "sub_model": np.array(["cv", "gp", None, "cv"], dtype=object),
+            "airtime_s": np.array([1e-4, 5e-5, 1e-4, 8e-5]),
             "size_bytes": np.array([60, 12, 60, 39], dtype=np.int32),
         },
         samples=(block, replace(block, trip="b,2", rate_basis="total")),
@@ -145,20 +152,53 @@ def test_samples_are_one_row_an_instant(result: EvaluationResult, tmp_path: Path
     assert table["rate_basis"].to_pylist()[19:21] == [None, "total"]
 
 
-def test_samples_written_in_groups_are_the_same_rows(
+def test_rows_are_the_same_in_row_groups_of_any_size(
     result: EvaluationResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = pq.read_table(write_results(result, tmp_path)[2])
-    monkeypatch.setattr(arrow, "_GROUP_ROWS", 1)
-    assert pq.read_table(write_results(result, tmp_path)[2]).equals(whole)
+    whole = [pq.read_table(path) for path in write_results(result, tmp_path)[1:]]
+    monkeypatch.setattr(record_files, "GROUP_ROWS", 3)
+    paths = write_results(result, tmp_path)[1:]
+    assert [pq.read_table(path) for path in paths] == whole
+    for path in paths:
+        file = pq.ParquetFile(path)
+        groups = [file.metadata.row_group(at).num_rows for at in range(file.num_row_groups)]
+        assert set(groups[:-1]) == {3}
+
+
+def test_rows_that_come_trip_by_trip_give_the_bytes_of_a_result_that_kept_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And no more than a row group waits in memory, whatever has come before."""
+    monkeypatch.setattr(record_files, "GROUP_ROWS", 1000)
+    settings = EvaluationSettings((0.3,), (0.0, 0.4), seeds=1, bank=PAPER_BANK)
+    trips = [generate_drive(seed=seed, duration_s=90.0).truth for seed in (1, 2)]
+    kept = write_results(evaluate(trips, settings), tmp_path / "kept")
+    folder = tmp_path / "streamed"
+    folder.mkdir()
+    waiting: list[int] = []
+
+    def look(_done: int, _known: int) -> None:
+        waiting.append(records.held_rows)
+
+    with RecordFiles(folder) as records:
+        result = evaluate(trips, settings, records=records, progress=look)
+    write_summary(result, folder)
+    assert not result.samples
+    assert max(waiting) < 2 * 1000
+    for path in kept:
+        assert path.read_bytes() == (folder / path.name).read_bytes()
+    write_message_trace(folder, tmp_path / "streamed.csv")
+    write_message_trace(evaluate(trips, settings), tmp_path / "kept.csv")
+    assert (tmp_path / "streamed.csv").read_bytes() == (tmp_path / "kept.csv").read_bytes()
 
 
 def test_results_without_samples_and_events_keep_their_columns(
     result: EvaluationResult, tmp_path: Path
 ) -> None:
-    empty = {name: column[:0] for name, column in result.events.items() if isinstance(column, np.ndarray)}
-    _, events, samples = write_results(replace(result, samples=(), events=empty), tmp_path)
+    empty = replace(result, samples=(), events=joined_columns([]))
+    _, events, samples = write_results(empty, tmp_path)
     assert pq.read_table(samples).column_names == SAMPLES_SCHEMA.names
+    assert pq.read_table(events).column_names == EVENTS_SCHEMA.names
     assert pq.read_table(events).num_rows == 0
 
 

@@ -7,6 +7,7 @@ The identity is ``rows == samples + sum(skipped)``; what is repaired stays a sam
 import json
 import re
 from collections.abc import Callable
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -19,7 +20,10 @@ from modelcast.io.nmea_sentences import parse_fix, sentence_body
 from modelcast.io.registry import FORMATS
 from modelcast.io.trips import read_trips
 
-TEXT = ("spmd-bsm", "spmd-wsu", "spmd-hv", "openacc", "nyc-cvpd", "nmea", "smartloc", "csv")
+TEXT = (
+    *("spmd-bsm", "spmd-wsu", "spmd-hv", "openacc", "nyc-cvpd", "nmea", "smartloc", "kitti-poses"),
+    *("highd", "ind", "sumo-fcd", "gpx", "interaction", "ngsim", "ode-bsm", "cv-pilot", "csv"),
+)
 ENDS = (b"\n", b"\r\n", b"\r", b"\r\r\n", b"\n\n")
 
 place = st.floats(0, 1, exclude_max=True)
@@ -87,8 +91,22 @@ def nyc_rows(content: bytes) -> int:
     return len(json.loads(content)["bsmList"])
 
 
-def smartloc_rows(content: bytes) -> int:
+def ode_rows(content: bytes) -> int:
+    """Objects: one a line, or more where a line end was lost."""
+    return len(filled_lines(content)) + len(re.findall(rb'\}\{"metadata"', content))
+
+
+def all_rows(content: bytes) -> int:
     return len(filled_lines(content))
+
+
+def gpx_rows(content: bytes) -> int:
+    return len(re.findall(rb"<trkpt\b", content))
+
+
+def fcd_rows(content: bytes) -> int:
+    steps = [step for step in ET.fromstring(content) if step.tag == "timestep"]  # noqa: S314 - ours
+    return sum(max(len(step), 1) for step in steps if step.get("time") is not None)
 
 
 def nmea_rows(content: bytes) -> tuple[int, int]:
@@ -113,7 +131,9 @@ def nmea_rows(content: bytes) -> tuple[int, int]:
 
 ROWS: dict[str, Callable[[bytes], int]] = {
     "spmd-bsm": spmd_rows, "spmd-wsu": spmd_rows, "spmd-hv": spmd_rows, "nyc-cvpd": nyc_rows,
-    "smartloc": smartloc_rows, "csv": table_rows,
+    "smartloc": all_rows, "kitti-poses": all_rows, "gpx": gpx_rows, "highd": table_rows,
+    "ind": table_rows, "sumo-fcd": fcd_rows, "csv": table_rows, "interaction": table_rows,
+    "ngsim": table_rows, "ode-bsm": ode_rows, "cv-pilot": table_rows,
 }  # fmt: skip
 
 
@@ -158,7 +178,7 @@ def test_every_row_of_a_mutated_file_is_accounted_for_or_it_is_refused(session_m
         assert rows == ROWS[name](content)
 
 
-BINARY = ("parquet", "comma2k19", "pcap")
+BINARY = ("parquet", "comma2k19", "kitti-oxts", "pcap", "ros2-mcap", "ros2-db3")
 
 
 @pytest.mark.parametrize("name", BINARY)
@@ -168,8 +188,8 @@ def test_every_row_of_a_mutated_binary_file_is_accounted_for_or_it_is_refused(
     session_made, name, steps, pick
 ):
     path = session_made.valid(name)
-    files = [path] if path.is_file() else sorted(one for one in path.rglob("[tv]*") if one.is_file())
-    victim = files[pick % len(files)]
+    files = [path] if path.is_file() else sorted(one for one in path.rglob("*") if one.is_file())
+    victim = files[-1 - pick % len(files)]
     content = victim.read_bytes()
     for step in steps:
         content = mutated(content, *step)

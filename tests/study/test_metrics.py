@@ -1,4 +1,4 @@
-"""Claims about quantiles, histograms and confidence limits."""
+"""Claims about quantiles and confidence limits."""
 
 import numpy as np
 import pytest
@@ -8,10 +8,7 @@ from hypothesis.extra.numpy import arrays
 from scipy import stats
 
 from modelcast.core.arrays import FloatArray
-from modelcast.study.metrics import Histogram, confidence_limits, quantiles
-
-BIN_RATIO = 0.001
-"""The middle of a bin of 1/512 octave is off by at most half a bin, 0.098 %."""
+from modelcast.study.metrics import confidence_limits, quantiles
 
 PROBABILITIES = (0.0, 0.1, 0.5, 0.9, 0.95, 0.99, 1.0)
 
@@ -46,50 +43,6 @@ def test_a_quantile_on_a_step_is_the_lower_value() -> None:
 def test_a_sample_twice_as_long_counts_twice() -> None:
     doubled = quantiles([np.array([1.0, 5.0]), np.array([3.0])], [1.0, 2.0], PROBABILITIES)
     assert np.array_equal(doubled, quantiles([np.array([1.0, 3.0, 3.0, 5.0])], [1.0], PROBABILITIES))
-
-
-@pytest.mark.parametrize("scale", [1e-2, 1.0, 100.0])
-def test_a_histogram_is_within_a_thousandth_of_the_exact_quantile(scale: float) -> None:
-    values = np.random.default_rng(2).lognormal(0.0, 1.0, 20_000) * scale
-    histogram = Histogram()
-    histogram.add(values, 0.1)
-    for probability in PROBABILITIES[1:]:
-        exact = np.quantile(values, probability, method="inverted_cdf")
-        assert histogram.quantile(probability) == pytest.approx(exact, rel=BIN_RATIO)
-    assert histogram.mean == pytest.approx(values.mean(), rel=1e-6)
-
-
-def test_a_histogram_counts_sizes_and_leaves_nan_out() -> None:
-    histogram = Histogram()
-    histogram.add(np.array([[-2.0, np.nan], [2.0, np.nan]], dtype=np.float32), 0.5)
-    assert histogram.weight == 1.0
-    assert histogram.mean == 2.0
-    assert histogram.quantile(0.9) == pytest.approx(2.0, rel=2 * BIN_RATIO)
-
-
-def test_merged_histograms_are_the_histogram_of_all() -> None:
-    rng = np.random.default_rng(2)
-    parts = [(rng.uniform(0, 9, 1000), weight) for weight in (0.1, 0.5)]
-    merged, whole = Histogram(), Histogram()
-    for values, weight in parts:
-        one = Histogram()
-        one.add(values, weight)
-        merged.merge(one)
-        whole.add(values, weight)
-    assert np.array_equal(merged.counts, whole.counts)
-    assert merged.quantile(0.9) == whole.quantile(0.9)
-
-
-def test_tiny_and_huge_values_stay_inside() -> None:
-    histogram = Histogram()
-    histogram.add(np.array([0.0, 1e-9, 1e30]), 1.0)
-    assert histogram.quantile(0.5) == 0.0
-    assert 16_384.0 <= histogram.quantile(1.0) < 17_000.0
-
-
-def test_an_empty_histogram_has_no_figures() -> None:
-    assert np.isnan(Histogram().mean)
-    assert np.isnan(Histogram().quantile(0.5))
 
 
 @given(values=arrays(np.float64, st.integers(2, 12), elements=st.floats(0.0, 10.0)))

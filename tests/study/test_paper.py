@@ -18,6 +18,7 @@ from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import PAPER_BANK, free_bank
 from modelcast.study.case import make_case
 from modelcast.study.evaluate import evaluate
+from modelcast.study.histogram import BIN_RATIO
 from modelcast.study.metrics import quantiles
 from modelcast.study.network.pairs import PAIRED
 from modelcast.study.paper.choices import CHOICES, PLAIN, Choice, Reading, combined, one_at_a_time
@@ -84,7 +85,7 @@ def test_the_readings_differ_from_the_plain_one_in_one_choice_each() -> None:
     ],
 )
 def test_a_reading_is_the_evaluation_with_its_options(trips: list[Trajectory], reading: Reading) -> None:
-    """To the last bit: messages, and errors beside every rival."""
+    """Messages to the last bit; errors beside every rival as closely as the evaluation's pools tell them."""
     rows = run_reading(trips, reading, PLAN)
     process = GaussianProcess(form="anchored", noise_floor_m=reading.noise_floor_m)
     members: Any = (ConstantVelocity(), process)
@@ -121,7 +122,7 @@ def test_a_reading_is_the_evaluation_with_its_options(trips: list[Trajectory], r
                 )
                 for policy, own_basis in (("mbc", None), (f"baseline-{schedule}", basis))
             )
-            assert row.p90_ratio == own / rival
+            assert row.p90_ratio == pytest.approx(own / rival, rel=2 * BIN_RATIO)
 
 
 def test_the_process_alone_is_that_bank_of_one(trips: list[Trajectory]) -> None:

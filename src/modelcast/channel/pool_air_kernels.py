@@ -11,7 +11,7 @@ import numpy as np
 from modelcast.channel.antennas import Antennas
 from modelcast.channel.cells_kernels import Cells, cell_span, row_span
 from modelcast.channel.dsrc_link_kernels import heard_within_m
-from modelcast.channel.error_kernels import hazard_at
+from modelcast.channel.error_kernels import survives
 from modelcast.channel.frame_errors import FrameErrors
 from modelcast.channel.frame_link_kernels import Links, links_room
 from modelcast.channel.pool_constants import PoolConstants
@@ -385,11 +385,10 @@ def _judge(
         return WEAK
     if ratio >= errors.safe_ratio:
         return RECEIVED
-    units = errors.units[size_bytes]
-    luck = -np.log(1.0 - uniform_of(int(turns.seed[turn]), j + LUCK))
-    if ratio >= hopeless_ratio and units * hazard_at(ratio, errors.hazard) <= luck:
+    chance = uniform_of(int(turns.seed[turn]), j + LUCK)
+    if ratio >= hopeless_ratio and survives(ratio, chance, size_bytes, errors):
         return RECEIVED
-    if other_mw == 0.0 or units * hazard_at(clear_ratio, errors.hazard) > luck:
+    if other_mw == 0.0 or not survives(clear_ratio, chance, size_bytes, errors):
         return WEAK
     worst = _strongest_other(j, turn, count, turns, air)
     east = turns.place[turn, 0] - turns.place[worst, 0]

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from modelcast.cli.compare_options import CompareOptions
+from modelcast.cli.executor_options import ExecutorOptions
 from modelcast.cli.options import Columns, Format, Rate
 
 __all__ = ["compare"]
@@ -16,6 +17,7 @@ def compare(
     trip: str = "*",
     rate: Rate = None,
     options: CompareOptions = CompareOptions(),  # noqa: B008 - frozen
+    where: ExecutorOptions = ExecutorOptions(),  # noqa: B008 - frozen
     json: bool = False,
     quiet: bool = False,
 ) -> int:
@@ -27,7 +29,7 @@ def compare(
     Parameters
     ----------
     paths
-        Files or folders with recorded trips.
+        Files or folders with recorded trips, or a corpus.
     out
         Output folder; one that an earlier run of this command wrote is replaced.
     format
@@ -40,34 +42,33 @@ def compare(
         Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
     options
         What changes the figures.
+    where
+        Of a corpus, where it is worked on.
     json
         Print summary.json instead of tables.
     quiet
         Print nothing but errors.
     """
-    from dataclasses import replace
-
-    from modelcast.cli.options import parse_columns
-    from modelcast.cli.progress import busy, counted, watched
-    from modelcast.cli.reading import PARTLY_FAILED, TripSource, require_paths
+    from modelcast.cli.all_trips import recorded_paths
+    from modelcast.cli.comparison_run import Comparison, compared
+    from modelcast.cli.progress import busy
+    from modelcast.cli.reading import PARTLY_FAILED, require_paths
     from modelcast.cli.run_record import write_run
     from modelcast.cli.terminal import say, say_json, show
     from modelcast.io.comparison import comparison_document, write_comparison
+    from modelcast.io.manifest import require_replaceable
     from modelcast.io.output import atomic_folder
     from modelcast.report.comparison import comparison_console, write_comparison_report
-    from modelcast.study.compare.run import compare as compare_trips
 
     require_paths(paths, "compare")
-    settings, candidates = options.settings(), options.candidates()
-    source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip, rate_hz=rate)
     silent = quiet or json
-    with atomic_folder(out, command="compare", shown=f"--out {out}") as folder:
-        with watched(source, quiet=silent) as shown:
-            trips = list(shown)
-        with counted("trips", quiet=silent) as progress:
-            found = compare_trips(trips, candidates, settings, progress=progress)
-        failures = {**found.failures, **source.failures}
-        result = replace(found, failures=failures, skipped=dict(source.skipped))
+    shown = f"--out {out}"
+    require_replaceable(out.resolve(), "compare", shown=shown)
+    asked_for = Comparison(paths, format, columns, trip=trip, rate_hz=rate, options=options, where=where)
+    with (
+        compared(asked_for, out, quiet=silent) as result,
+        atomic_folder(out, command="compare", shown=shown) as folder,
+    ):
         asked = {
             "paths": [str(path) for path in paths],
             "format": format,
@@ -81,7 +82,7 @@ def compare(
             folder,
             "compare",
             asked,
-            (*paths, *options.files),
+            (*recorded_paths(paths), *options.files),
             training_trips=known,
             foreign=options.foreign,
         )
@@ -93,4 +94,4 @@ def compare(
     elif not quiet:
         show(comparison_console(result))
         say(f"table and figure: {out}")
-    return PARTLY_FAILED if failures else 0
+    return PARTLY_FAILED if result.failures else 0

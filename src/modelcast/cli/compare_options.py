@@ -60,7 +60,7 @@ class CompareOptions:
     route_by
         How trips are told apart into routes: 'auto' by the ground they drove over and the platoon they drove
         in, or one route a 'file' or a 'trip'.
-    cluster
+    resample_by
         What the bootstrap resamples: single trips, or whole routes.
     resamples
         Bootstrap resamples.
@@ -93,6 +93,9 @@ class CompareOptions:
         cooperative awareness messages.
     quantised
         Predict with what a message can say, at sender and host alike.
+    rates_only
+        Messages alone, without tracking under loss: --per and --seeds play no part. Of a corpus, with
+        --route-by trip and banks that neither learn nor read context, the trips are shared out.
     road
         What banks that read context remember of the road, as in 'modelcast evaluate'.
     leader
@@ -111,7 +114,7 @@ class CompareOptions:
     protocol: _Protocols = ("recorded", "sensor")
     against: str | None = None
     route_by: Literal["auto", "file", "trip"] = "auto"
-    cluster: Literal["trip", "route"] = "trip"
+    resample_by: Literal["trip", "route"] = "trip"
     resamples: int = 2000
     seeds: int = 3
     seed: int = 0
@@ -128,6 +131,7 @@ class CompareOptions:
     legacy_threshold: float = 0.0
     references: bool = True
     quantised: bool = True
+    rates_only: Annotated[bool, Parameter(negative="")] = False
     road: str = "own"
     leader: bool = True
     certificates: CertificateRule = "gap"
@@ -176,7 +180,7 @@ class CompareOptions:
 
         shared = EvaluateOptions(
             threshold=self.threshold,
-            per=self.per,
+            per=() if self.rates_only else self.per,
             seeds=self.seeds,
             seed=self.seed,
             keep_alive=self.keep_alive,
@@ -199,7 +203,7 @@ class CompareOptions:
                 against=self.against,
                 route_by=self.route_by,
                 resamples=self.resamples,
-                cluster=self.cluster,
+                cluster=self.resample_by,
                 rate_basis=self.rate_basis,
             )
         except ValueError as error:

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.cli.executor_options import ExecutorOptions
 from modelcast.cli.options import Columns, Format, Rate
 
 __all__ = ["evaluate"]
@@ -16,6 +17,7 @@ def evaluate(
     trip: str = "*",
     rate: Rate = None,
     options: EvaluateOptions = EvaluateOptions(),  # noqa: B008 - frozen
+    executor: ExecutorOptions = ExecutorOptions(),  # noqa: B008 - frozen
     trace: Path | None = None,
     rerun: Path | None = None,
     json: bool = False,
@@ -23,12 +25,14 @@ def evaluate(
 ) -> int:
     """Run hybrid bank and baseline over recorded trips: message rates, tracking under loss, figures.
 
-    Writes summary.json, events.parquet, samples.parquet, report.html, figures/ and run.json.
+    Writes summary.json, events.parquet, samples.parquet, report.html, figures/ and run.json. A corpus
+    ('modelcast ingest'), named alone, is shared out among processes; its tables are in parts/. A run of one
+    that was interrupted goes on where it stopped: give the same command again.
 
     Parameters
     ----------
     paths
-        Files or folders with recorded trips.
+        Files or folders with recorded trips, or one corpus.
     out
         Output folder; one that an earlier run of this command wrote is replaced.
     format
@@ -41,6 +45,8 @@ def evaluate(
         Take trips as read so many times a second, from no later sample [Hz]; as recorded where not given.
     options
         What changes the figures.
+    executor
+        Where a corpus is worked on.
     trace
         Also write the messages (time, vehicle, size, kind) to this .csv or .parquet, for other simulators.
     rerun
@@ -50,6 +56,7 @@ def evaluate(
     quiet
         Print nothing but errors.
     """
+    from modelcast.cli.evaluation_corpus import corpus_to_share, run_corpus_evaluation
     from modelcast.cli.evaluation_run import run_evaluation
     from modelcast.cli.reading import require_paths
     from modelcast.cli.run_record import EvaluationRun, load_run
@@ -65,4 +72,13 @@ def evaluate(
     else:
         require_paths(paths, "evaluate")
         asked = EvaluationRun(paths, format, columns, trip, options, rate)
+    corpus = corpus_to_share(asked, executor)
+    if corpus is not None:
+        if trace is not None:
+            raise ConfigError(f"--trace {trace}: of a corpus the messages are in parts/*/events.parquet")
+        return run_corpus_evaluation(asked, corpus, out, executor, json=json, quiet=quiet)
+    if executor.jobs > 1:
+        raise ConfigError(
+            f"--jobs {executor.jobs} is for a corpus: modelcast ingest makes one of these files"
+        )
     return run_evaluation(asked, out, trace=trace, json=json, quiet=quiet)

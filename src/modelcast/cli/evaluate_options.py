@@ -30,6 +30,8 @@ class EvaluateOptions:
     ----------
     threshold
         Tracking-error thresholds [m], several after one another; put the trips before this option.
+    rates_only
+        Count the messages alone, on a channel that loses none; what is about losses plays no part then.
     per
         Packet error ratios, 0 to 1, several after one another.
     seeds
@@ -146,6 +148,7 @@ class EvaluateOptions:
     road: str = "own"
     leader: bool = True
     certificates: CertificateRule = "gap"
+    rates_only: bool = False
 
     def as_plain(self) -> dict[str, Any]:
         """Every option by its name on the command line, as plain values."""
@@ -210,7 +213,7 @@ class EvaluateOptions:
         try:
             found = EvaluationSettings(
                 tuple(self.threshold),
-                tuple(self.per),
+                () if self.rates_only else tuple(self.per),
                 seeds=self.seeds,
                 seed=self.seed,
                 bank=named.bank,

@@ -12,14 +12,16 @@ from modelcast.cli.reading import PARTLY_FAILED, TripSource
 from modelcast.cli.run_record import EvaluationRun, write_run
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.output import atomic_folder, require_apart, require_writable
-from modelcast.io.results import summary_document, write_message_trace, write_results
+from modelcast.io.record_files import RecordFiles
+from modelcast.io.results import summary_document, write_message_trace, write_results, write_summary
 from modelcast.report.console import console_report
 from modelcast.report.html import write_report
 from modelcast.study.evaluate import evaluate
+from modelcast.study.recording import AbstractRecordSink
 from modelcast.study.result import EvaluationResult
 from modelcast.study.settings import EvaluationSettings
 
-__all__ = ["evaluate_source", "publish", "run_evaluation", "show"]
+__all__ = ["evaluate_source", "finish", "publish", "record", "run_evaluation", "show", "tell"]
 
 
 def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json: bool, quiet: bool) -> int:
@@ -49,20 +51,68 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
         rate_hz=asked.rate_hz,
     )
     with atomic_folder(out, command="evaluate", shown=f"--out {out}") as folder:
-        result = evaluate_source(source, settings, quiet=quiet or json)
-        known = [trip.id for trip in result.trips if trip.in_training]
-        write_run(
-            folder,
-            "evaluate",
-            asked.arguments(),
-            asked.inputs,
-            training_trips=known,
-            foreign=origins_in_use(asked.options.policy, [settings.bank]),
-        )
-        with busy("writing the report", quiet=quiet or json):
-            publish(result, folder)
+        with RecordFiles(folder) as records:
+            result = evaluate_source(source, settings, records, quiet=quiet or json)
+        record(asked, result, folder)
+        finish(result, folder, quiet=quiet or json)
         if trace is not None:
-            write_message_trace(result, trace)
+            write_message_trace(folder, trace, policy=settings.sender)
+    return tell(result, out, json=json, quiet=quiet)
+
+
+def record(asked: EvaluationRun, result: EvaluationResult, folder: Path) -> None:
+    """Write ``run.json``.
+
+    Parameters
+    ----------
+    asked
+        Trips and options.
+    result
+        What was found.
+    folder
+        An existing folder.
+    """
+    write_run(
+        folder,
+        "evaluate",
+        asked.arguments(),
+        asked.inputs,
+        training_trips=[trip.id for trip in result.trips if trip.in_training],
+        foreign=origins_in_use(asked.options.policy, [asked.options.settings().bank]),
+    )
+
+
+def finish(result: EvaluationResult, folder: Path, *, quiet: bool) -> None:
+    """Write summary and report, where messages and samples are written already.
+
+    Parameters
+    ----------
+    result
+        What was found.
+    folder
+        An existing folder.
+    quiet
+        Show no progress.
+    """
+    with busy("writing the report", quiet=quiet):
+        write_summary(result, folder)
+        write_report(result, folder)
+
+
+def tell(result: EvaluationResult, out: Path, *, json: bool, quiet: bool) -> int:
+    """Print what was found and return the exit code.
+
+    Parameters
+    ----------
+    result
+        What was found.
+    out
+        Output folder.
+    json
+        Print the summary instead of tables.
+    quiet
+        Print nothing.
+    """
     if json:
         terminal.say_json(summary_document(result))
     elif not quiet:
@@ -70,7 +120,9 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
     return PARTLY_FAILED if result.failures else 0
 
 
-def evaluate_source(source: TripSource, settings: EvaluationSettings, *, quiet: bool) -> EvaluationResult:
+def evaluate_source(
+    source: TripSource, settings: EvaluationSettings, records: AbstractRecordSink, *, quiet: bool
+) -> EvaluationResult:
     """Evaluate all trips of a source behind a progress bar; files that failed are among the failures.
 
     Parameters
@@ -79,11 +131,13 @@ def evaluate_source(source: TripSource, settings: EvaluationSettings, *, quiet: 
         The trips.
     settings
         What to do.
+    records
+        Takes messages and samples.
     quiet
         Show no progress.
     """
     with watched(source, quiet=quiet) as trips:
-        result = evaluate(trips, settings)
+        result = evaluate(trips, settings, records=records)
     return replace(result, failures={**result.failures, **source.failures}, skipped=dict(source.skipped))
 
 

@@ -14,19 +14,19 @@ __all__ = ["ExecutorOptions"]
 @Parameter(name="*")
 @dataclass(frozen=True)
 class ExecutorOptions:
-    """Where a corpus is worked on. They change no figure.
+    """Where work is done. They change no figure.
 
     Parameters
     ----------
     jobs
-        Processes at a time; 0 for one a processor.
+        Processes at a time; 0 for one a processor, 1 for none but this.
     cluster
-        Of a corpus, work on a cluster of dask.distributed instead: 'local:N' for N of its workers on this
-        machine, or the address of a scheduler, as 'tls://HOST:8786'. Needs the extra cluster. Trust it:
-        whoever reaches a scheduler can run any code on its workers.
+        Work on a cluster of dask.distributed instead: 'local:N' for N of its workers on this machine, or the
+        address of a scheduler, as 'tls://HOST:8786'. Needs the extra cluster. Trust it: whoever reaches a
+        scheduler can run any code on its workers.
     memory
-        Of a corpus, what all processes on this machine together may take, as '2GiB' or '1500MB', shared out
-        evenly. A partition that needs more fails and is named. No bound where not given.
+        What all processes that share the work on this machine may take together, as '2GiB' or '1500MB',
+        shared out evenly. A partition that needs more fails and is named. No bound where not given.
     """
 
     jobs: int = 0
@@ -53,9 +53,11 @@ class ExecutorOptions:
             if self.jobs:
                 raise ConfigError("--jobs is for this machine's processes: leave it out beside --cluster")
             return ClusterExecutor(self.cluster, memory_bytes)
+        from modelcast.corpora.executors.here import HereExecutor
         from modelcast.corpora.executors.processes import ProcessExecutor
 
-        return ProcessExecutor(self.jobs, memory_bytes)
+        processes = ProcessExecutor(self.jobs, memory_bytes)
+        return HereExecutor() if processes.count == 1 and memory_bytes is None else processes
 
     def require_no_corpus(self) -> None:
         """Refuse what is for corpora alone.
@@ -72,3 +74,22 @@ class ExecutorOptions:
                 raise ConfigError(
                     f"--{name} is for a corpus, a folder that modelcast ingest made: name one, alone"
                 )
+
+    def require_one_process(self, reason: str) -> None:
+        """Refuse workers for what is not shared out.
+
+        Parameters
+        ----------
+        reason
+            Why it is not.
+
+        Raises
+        ------
+        ConfigError
+            Where some are asked for by name.
+        """
+        from modelcast.core.exceptions import ConfigError
+
+        if self.cluster is not None or self.jobs > 1:
+            option = "--jobs" if self.cluster is None else "--cluster"
+            raise ConfigError(f"{option}: this is not shared among workers: {reason}")

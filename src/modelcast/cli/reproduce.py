@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+from modelcast.cli.executor_options import ExecutorOptions
 from modelcast.cli.options import Columns, Format
 from modelcast.cli.reproduce_options import ReproduceOptions
 
@@ -20,7 +21,7 @@ def reproduce(
     columns: Columns = None,
     trip: str = "*",
     options: ReproduceOptions = ReproduceOptions(),  # noqa: B008 - frozen
-    jobs: int = 0,
+    where: ExecutorOptions = ExecutorOptions(),  # noqa: B008 - frozen
     json: bool = False,
     quiet: bool = False,
 ) -> int:
@@ -34,7 +35,7 @@ def reproduce(
     study
         paper.
     paths
-        Files or folders with recorded trips.
+        Files or folders with recorded trips, or a corpus.
     out
         Output folder; one that an earlier run of this command wrote is replaced.
     format
@@ -45,8 +46,8 @@ def reproduce(
         Take only trips whose identifier matches this shell pattern.
     options
         What changes the figures.
-    jobs
-        Readings at a time; 0 for one a processor. The result is the same whatever their number.
+    where
+        Where readings are worked on, also without a corpus. The result is the same.
     json
         Print summary.json instead of tables.
     quiet
@@ -55,5 +56,5 @@ def reproduce(
     from modelcast.cli.reproduction_run import Reproduction, run_reproduction
 
     return run_reproduction(
-        Reproduction(study, paths, format, columns, trip, options), out, jobs=jobs, json=json, quiet=quiet
+        Reproduction(study, paths, format, columns, trip, options), out, where=where, json=json, quiet=quiet
     )

@@ -4,12 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from modelcast.cli.all_trips import all_trips, recorded_paths
+from modelcast.cli.executor_options import ExecutorOptions
 from modelcast.cli.options import parse_columns
-from modelcast.cli.progress import busy, counted, watched
+from modelcast.cli.progress import busy, counted
 from modelcast.cli.reading import PARTLY_FAILED, TripSource, require_paths
 from modelcast.cli.reproduce_options import ReproduceOptions
 from modelcast.cli.run_record import write_run
-from modelcast.cli.shared_work import jobs_in_use, workers
+from modelcast.cli.shared_work import jobs_in_use, workers_of
 from modelcast.cli.terminal import say, say_json, show
 from modelcast.cli.traffic_runs import run_traffic
 from modelcast.core.exceptions import ConfigError
@@ -50,7 +52,9 @@ class Reproduction:
     options: ReproduceOptions
 
 
-def run_reproduction(asked: Reproduction, out: Path, *, jobs: int, json: bool, quiet: bool) -> int:
+def run_reproduction(
+    asked: Reproduction, out: Path, *, where: ExecutorOptions, json: bool, quiet: bool
+) -> int:
     """Run what was asked for and return the exit code.
 
     Parameters
@@ -59,8 +63,8 @@ def run_reproduction(asked: Reproduction, out: Path, *, jobs: int, json: bool, q
         Trips and options.
     out
         Output folder.
-    jobs
-        Processes; 0 for one a processor.
+    where
+        Where parts of the study are worked on.
     json
         Print the summary instead of tables.
     quiet
@@ -72,6 +76,7 @@ def run_reproduction(asked: Reproduction, out: Path, *, jobs: int, json: bool, q
         Where an option is out of its range, or no trip can be used.
     """
     require_paths(asked.paths, f"reproduce {asked.study}")
+    executor = where.executor()
     plan, traffic = asked.options.plan(), asked.options.traffic_plan()
     runs = asked.options.traffic_out or out.with_name(f"{out.name}-traffic")
     if asked.options.traffic:
@@ -84,9 +89,9 @@ def run_reproduction(asked: Reproduction, out: Path, *, jobs: int, json: bool, q
     )
     silent = quiet or json
     with atomic_folder(out, command="reproduce", shown=f"--out {out}") as folder:
-        with watched(source, quiet=silent) as shown:
-            trips = list(shown)
-        with workers(jobs) as pool:
+        reason = "figures are pooled over all of them; parts of the study are shared out"
+        trips = all_trips(source, asked.paths, reason, quiet=silent)
+        with workers_of(executor, len(trips) + 1) as pool:
             counts: list[ManoeuvreCounts] = []
             if asked.options.pick and trips:
                 trips, short = usable_trips(trips, int(PLAIN.bank.windows.max()))
@@ -107,12 +112,12 @@ def run_reproduction(asked: Reproduction, out: Path, *, jobs: int, json: bool, q
                 swept = run_traffic(
                     runs,
                     traffic,
-                    jobs=jobs_in_use(jobs),
+                    jobs=jobs_in_use(where.jobs),
                     progress=progress,
                     say=_nobody if silent else say,
                 )
             result = with_traffic(result, swept.rows)
-        write_run(folder, "reproduce", _arguments(asked), asked.paths)
+        write_run(folder, "reproduce", _arguments(asked), recorded_paths(asked.paths))
         with busy("writing the report", quiet=silent):
             write_paper(result, folder)
             write_paper_report(result, folder)

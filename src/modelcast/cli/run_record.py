@@ -16,6 +16,7 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.core.json_text import parse_json, schema_of
 from modelcast.core.rules import Anything, Each, FieldError, Keys, Maybe, Number, Table, Text, Whole, check
 from modelcast.core.version import package_version
+from modelcast.corpora.layout import CORPUS_FILE, is_corpus
 from modelcast.io.regular import read_document
 
 __all__ = ["RUN_SCHEMA", "EvaluationRun", "load_run", "write_run"]
@@ -75,8 +76,12 @@ class EvaluationRun:
 
     @property
     def inputs(self) -> tuple[Path, ...]:
-        """Everything it reads: the trips, and the profile where one is named."""
-        return (*self.paths, *self.options.files)
+        """Everything it reads: the trips, and the profile where one is named.
+
+        Of a corpus its ``corpus.json``, which has the hashes of all that is in it.
+        """
+        trips = (path / CORPUS_FILE if is_corpus(path) else path for path in self.paths)
+        return (*trips, *self.options.files)
 
     def arguments(self) -> dict[str, Any]:
         """The arguments as plain values."""

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from modelcast.cli.executor_options import ExecutorOptions
 from modelcast.cli.options import Columns, Format, Paths
 from modelcast.cli.safety_options import SafetyOptions
 
@@ -29,7 +30,7 @@ def safety(
     streams: int = 0,
     options: SafetyOptions = SafetyOptions(),  # noqa: B008 - frozen
     beside: Paths = (),
-    jobs: int = 0,
+    where: ExecutorOptions = ExecutorOptions(),  # noqa: B008 - frozen
     json: bool = False,
     quiet: bool = False,
 ) -> int:
@@ -42,7 +43,7 @@ def safety(
     Parameters
     ----------
     paths
-        Files or folders with recorded platoons: trips of several vehicles on one clock.
+        Files or folders with recorded platoons, or a corpus: trips of several vehicles on one clock.
     out
         Output folder; one that an earlier run of this command wrote is replaced.
     format
@@ -58,19 +59,19 @@ def safety(
     beside
         Output folders of 'modelcast network' or 'mixed' with --application, or of 'modelcast capacity': their
         figures are shown in the report too.
-    jobs
-        Recordings at a time; 0 for one a processor.
+    where
+        Where recordings are scored, also without a corpus.
     json
         Print summary.json instead of tables.
     quiet
         Print nothing but errors.
     """
+    from modelcast.cli.all_trips import recorded_paths
     from modelcast.cli.options import parse_columns
     from modelcast.cli.progress import busy, counted
     from modelcast.cli.reading import PARTLY_FAILED, TripSource
     from modelcast.cli.run_record import write_run
     from modelcast.cli.safety_sweep import gathered, run_options, safety_work, score_all
-    from modelcast.cli.shared_work import jobs_in_use
     from modelcast.cli.terminal import say, say_json, show
     from modelcast.core.exceptions import ConfigError
     from modelcast.core.version import package_version
@@ -94,18 +95,19 @@ def safety(
     candidates, silent = options.candidates(), quiet or json
     for sensor in options.sensors:
         _ = options.settings(sensor, options.burst[0])
+    executor = where.executor()
     logs = _logs(options, quiet=silent)
     source = TripSource(paths, format_name=format, columns=parse_columns(columns), pattern=trip)
     with (
         atomic_folder(out, command="safety", shown=f"--out {out}") as folder,
         run_store(out, SafetyRunFiles(package_version(), run_options(options)), command="safety") as store,
     ):
-        trips = _trips(source, streams, options.seed, quiet=silent)
+        trips = _trips(source, paths, streams, options.seed, quiet=silent)
         recordings = recordings_of(trips)
         work = safety_work(recordings, options, logs)
         _tell_outdated(store, work, quiet=silent)
         with counted("recordings", quiet=silent) as progress:
-            scores = score_all(work, options, store, jobs=jobs_in_use(jobs), progress=progress)
+            scores = score_all(work, options, store, executor=executor, progress=progress)
         with busy("pooling", quiet=silent):
             found = gathered(
                 list(scores.values()),
@@ -131,7 +133,7 @@ def safety(
             folder,
             "safety",
             asked,
-            (*paths, *options.files, *options.losses),
+            (*recorded_paths(paths), *options.files, *options.losses),
             training_trips=known,
             foreign=options.foreign,
         )
@@ -168,13 +170,16 @@ def _tell_outdated(
         say(line)
 
 
-def _trips(source: "TripSource", streams: int, seed: int, *, quiet: bool) -> "list[Trajectory]":
+def _trips(
+    source: "TripSource", paths: tuple[Path, ...], streams: int, seed: int, *, quiet: bool
+) -> "list[Trajectory]":
     """The recorded trips, or those of so many simulated roads."""
-    from modelcast.cli.progress import counted, watched
+    from modelcast.cli.all_trips import all_trips
+    from modelcast.cli.progress import counted
     from modelcast.cli.safety_streams import stream_trips
 
     if streams:
         with counted("roads", quiet=quiet) as progress:
             return stream_trips(streams, seed, progress=progress)
-    with watched(source, quiet=quiet) as shown:
-        return list(shown)
+    reason = "the vehicles of a platoon lie in several partitions; its recordings are shared out"
+    return all_trips(source, paths, reason, quiet=quiet)

@@ -9,7 +9,8 @@ from typing import Any
 
 from modelcast.channel.recorded import RecordedLosses
 from modelcast.cli.safety_options import SafetyOptions
-from modelcast.cli.shared_work import workers
+from modelcast.cli.shared_work import workers_of
+from modelcast.corpora.executors.base import AbstractExecutor
 from modelcast.io.loss_logs import LossLog
 from modelcast.io.run_store import RunStore
 from modelcast.io.safety_runs import SafetyCase
@@ -115,7 +116,7 @@ def score_all(
     options: SafetyOptions,
     store: RunStore[SafetyCase, RecordingScores],
     *,
-    jobs: int,
+    executor: AbstractExecutor,
     progress: Progress,
 ) -> dict[SafetyCase, RecordingScores]:
     """Score what is not scored yet, each written as soon as it is done; by sensor and kind of loss.
@@ -128,8 +129,8 @@ def score_all(
         How.
     store
         Where scores are found and kept.
-    jobs
-        Processes.
+    executor
+        Where.
     progress
         Takes cases done and to do.
     """
@@ -143,7 +144,7 @@ def score_all(
     # The largest first, so that no processor waits long for the last one.
     missing.sort(key=lambda one: -sum(pair.samples.size for pair in one.recording.pairs))
     progress(len(found), len(cases))
-    with workers(max(min(jobs, len(missing)), 1)) as pool:
+    with workers_of(executor, len(missing)) as pool:
         for one, scored in pool.as_done(partial(_score, options), missing):
             for (case, _), scores in zip(one.cases, scored, strict=True):
                 store.keep(case, scores)

@@ -10,7 +10,7 @@ from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor, Fai
 from modelcast.corpora.executors.here import HereExecutor
 from modelcast.corpora.executors.processes import ProcessExecutor
 
-__all__ = ["Workers", "jobs_in_use", "workers"]
+__all__ = ["Workers", "jobs_in_use", "workers", "workers_of"]
 
 Work = TypeVar("Work")
 Found = TypeVar("Found")
@@ -93,8 +93,22 @@ def workers(jobs: int) -> Generator[Workers]:
         Where it is negative.
     """
     count = jobs_in_use(jobs)
-    executor: AbstractExecutor = HereExecutor() if count == 1 else ProcessExecutor(count)
-    with executor.start() as crew:
+    with (HereExecutor() if count == 1 else ProcessExecutor(count)).start() as crew:
+        yield Workers(crew)
+
+
+@contextmanager
+def workers_of(executor: AbstractExecutor, pieces: int) -> Generator[Workers]:
+    """Yield the workers of an executor; where there is at most one piece of work, none but this process.
+
+    Parameters
+    ----------
+    executor
+        Where work is done.
+    pieces
+        How many there are.
+    """
+    with (executor if pieces > 1 else HereExecutor()).start() as crew:
         yield Workers(crew)
 
 

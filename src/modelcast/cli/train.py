@@ -52,7 +52,7 @@ def train(
     Parameters
     ----------
     paths
-        Files or folders with recorded trips to learn from.
+        Files or folders with recorded trips to learn from, or a corpus.
     out
         The profile's file; its folder must exist.
     bank
@@ -104,8 +104,9 @@ def train(
     quiet
         Print nothing but errors.
     """
+    from modelcast.cli.all_trips import all_trips
     from modelcast.cli.options import parse_columns
-    from modelcast.cli.progress import staged, watched
+    from modelcast.cli.progress import staged
     from modelcast.cli.reading import TripSource, require_paths
     from modelcast.cli.terminal import say, say_json, show
     from modelcast.core.exceptions import ConfigError
@@ -144,8 +145,7 @@ def train(
             seed=seed,
         )
         with atomic_file(out, inputs=paths, shown=f"--out {out}") as file:
-            with watched(source, quiet=silent) as shown:
-                trips = list(shown)
+            trips = all_trips(source, paths, "one fit is made to all of them", quiet=silent)
             if not trips:
                 raise ConfigError("; ".join(("no usable trip", *source.skipped_lines())))
             with staged(quiet=silent) as progress:

@@ -51,6 +51,10 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
             MappingProxyType({"pycrate": "pycrate_asn1rt"}),
             "cooperative awareness messages as octets (modelcast.encode_cam, modelcast.decode_cam)",
         ),
+        "mcap": Extra(
+            MappingProxyType({"lz4": "lz4", "zstandard": "zstandard"}),
+            "trips of MCAP files with packed chunks",
+        ),
         "sumo": Extra(
             MappingProxyType({"eclipse-sumo": "sumo", "libsumo": "libsumo"}),
             "modelcast network --scenario sumo-highway, sumo-grid, sumo-junction, FILE.sumocfg",

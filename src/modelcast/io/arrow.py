@@ -18,7 +18,15 @@ import pyarrow.parquet as pq
 
 from modelcast.study.result import Coded, Columns, SampleBlock
 
-__all__ = ["SAMPLES_SCHEMA", "columns_table", "plain_text", "sample_tables", "write_tables"]
+__all__ = [
+    "EVENTS_SCHEMA",
+    "SAMPLES_SCHEMA",
+    "columns_table",
+    "plain_text",
+    "sample_tables",
+    "table_writer",
+    "write_tables",
+]
 
 _NAME: Any = pa.dictionary(pa.int32(), pa.string())
 _NAMES = ("trip", "policy", "bank", "rate_basis")
@@ -41,6 +49,15 @@ SAMPLES_SCHEMA: Any = pa.schema(
     ]
 )
 """Columns of ``samples.parquet``."""
+
+EVENTS_SCHEMA: Any = pa.schema(
+    [
+        *((name, _NAME) for name in ("trip", "policy", "bank", "kind", "sub_model")),
+        *((name, pa.float64()) for name in ("threshold_m", "t_s", "airtime_s")),
+        ("size_bytes", pa.int32()),
+    ]
+)
+"""Columns of ``events.parquet``."""
 
 _GROUP_ROWS = 500_000
 """Rows gathered before they are written: what bounds the memory on top of the result's own."""
@@ -108,8 +125,26 @@ def write_tables(tables: Iterable[Any], schema: Any, out: Path | BinaryIO) -> No
     out
         The file, or one open for writing bytes.
     """
+    with table_writer(schema, out) as writer:
+        for table in tables:
+            if table.num_rows:
+                writer.write_table(table)
+        if schema.metadata:
+            writer.add_key_value_metadata(schema.metadata)
+
+
+def table_writer(schema: Any, out: Path | BinaryIO) -> Any:
+    """Return a `pyarrow.parquet.ParquetWriter` that packs as all Parquet files of results are packed.
+
+    Parameters
+    ----------
+    schema
+        Of the tables to come.
+    out
+        The file, or one open for writing bytes.
+    """
     is_float = {field.name: bool(pa.types.is_floating(field.type)) for field in schema}
-    with pq.ParquetWriter(
+    return pq.ParquetWriter(
         str(out) if isinstance(out, Path) else out,
         schema,
         compression="zstd",
@@ -118,12 +153,7 @@ def write_tables(tables: Iterable[Any], schema: Any, out: Path | BinaryIO) -> No
         use_byte_stream_split=cast("Any", [name for name, split in is_float.items() if split]),
         # Without Arrow's schema beside the Parquet one, text reads back as plain strings.
         store_schema=False,
-    ) as writer:
-        for table in tables:
-            if table.num_rows:
-                writer.write_table(table)
-        if schema.metadata:
-            writer.add_key_value_metadata(schema.metadata)
+    )
 
 
 def _samples_table(blocks: Sequence[SampleBlock]) -> Any:

@@ -30,6 +30,7 @@ for what it does not know of them), time steps without vehicles.
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf, nan, pi
 from typing import Any, NamedTuple
 
@@ -69,6 +70,8 @@ _NO_LANE = f"{_EITHER}, or off the road: no lane"
 _TAGS = {"vehicle": "", PERSON: PERSON, _CONTAINER: _CONTAINER}
 INVALID = -1073741824.0
 """What SUMO writes for what it does not know."""
+
+_OFF_ROAD_BY = ("east", "north", "speed", "heading_deg", "pos")
 
 
 _NAMES: Mapping[str, tuple[str, ...]] = {
@@ -268,9 +271,12 @@ def fcd_row(
     vehicle = values.get("vehicle")
     if vehicle is None or vehicle == "":
         raise DataFormatError(path, "the vehicle is blank", row=row, remedy="Name it.")
-    if any(_is_invalid(values.get(name)) for name in ("east", "north", "speed", "heading_deg", "pos")):
+    if _is_off_road(values):
         return FcdRow(row, time, "", _NOTHING, OFF_ROAD)
-    east, north = (_number(path, row, name, values.get(name)) for name in ("east", "north"))
+    east, north = (
+        _number(path, row, "east", values.get("east")),
+        _number(path, row, "north", values.get("north")),
+    )
     for name, value in (("east", east), ("north", north)):
         if value != value:  # noqa: PLR0124 - NaN
             raise DataFormatError(
@@ -282,23 +288,34 @@ def fcd_row(
     heading = _number(path, row, "heading_deg", values.get("heading_deg")) * pi / 180.0
     if heading != heading:  # noqa: PLR0124 - NaN
         heading = _number(path, row, "heading_rad", values.get("heading_rad"))
-    speed, acceleration, yaw_rate, length = (
-        _number(path, row, name, values.get(name)) for name in ("speed", "acceleration", "yaw_rate", "length")
-    )
+    speed = _number(path, row, "speed", values.get("speed"))
+    acceleration = _number(path, row, "acceleration", values.get("acceleration"))
+    yaw_rate = _number(path, row, "yaw_rate", values.get("yaw_rate"))
+    length = _number(path, row, "length", values.get("length"))
     if speed < 0.0 or length < 0.0:
         name, value = ("speed", speed) if speed < 0.0 else ("length", length)
         raise DataFormatError(path, f"{name} is {value}, negative", row=row, remedy="Correct the value.")
     numbers = (east, north, speed, heading, acceleration, yaw_rate, length)
     if walks:
         return FcdRow(row, time, f"person {vehicle}", numbers, kind=Kind.PEDESTRIAN)
-    named = str(values.get("type") or "").lower()
-    rides = any(name in named for name in _BIKES) and "motorbike" not in named
-    return FcdRow(row, time, str(vehicle), numbers, kind=Kind.CYCLIST if rides else Kind.VEHICLE)
+    return FcdRow(row, time, str(vehicle), numbers, kind=_kind_of_type(values.get("type") or ""))
 
 
-def _is_invalid(value: Any) -> bool:
-    """Return whether a value is SUMO's INVALID_DOUBLE_VALUE."""
-    return value == INVALID or (isinstance(value, str) and value.startswith("-1073741824"))
+@lru_cache(maxsize=256)
+def _kind_of_type(name: object) -> Kind:
+    """Return what vehicles of a type are."""
+    named = str(name).lower()
+    rides = any(bike in named for bike in _BIKES) and "motorbike" not in named
+    return Kind.CYCLIST if rides else Kind.VEHICLE
+
+
+def _is_off_road(values: Mapping[str, Any]) -> bool:
+    """Return whether SUMO's INVALID_DOUBLE_VALUE stands for what a vehicle on the road has."""
+    for name in _OFF_ROAD_BY:
+        value = values.get(name)
+        if value == INVALID or (isinstance(value, str) and value.startswith("-1073741824")):
+            return True
+    return False
 
 
 def _time(path: str, row: int, value: Any) -> float:

@@ -30,11 +30,12 @@ from modelcast.io.fcd_columns import (
     table_kind,
     xml_columns,
 )
-from modelcast.io.fcd_source import fcd_kind, opened, seekable, text
+from modelcast.io.fcd_source import fcd_kind, seekable, text
+from modelcast.io.text_head import split_fields
+from modelcast.io.xml_stream import fed, require_shallow
 
-__all__ = ["read_columns", "read_rows"]
+__all__ = ["csv_names", "read_columns", "read_rows"]
 
-_CHUNK = 2**16
 _BATCH = 2**16
 _XML_ROWS = frozenset({"vehicle", "person", "container"})
 
@@ -88,9 +89,24 @@ def read_rows(path: str, *, people: bool = False) -> Iterator[FcdRow]:
 def _csv_header(path: str) -> tuple[list[str], str]:
     """Return the column names and what parts them."""
     with text(path) as file:
-        line = file.readline(2**20)
+        return csv_names(file.readline(2**20))
+
+
+def csv_names(line: str) -> tuple[list[str], str]:
+    """Return the column names in a header, and what parts them.
+
+    Parameters
+    ----------
+    line
+        The first line of a table.
+
+    Examples
+    --------
+    >>> csv_names("timestep_time;vehicle_id")
+    (['timestep_time', 'vehicle_id'], ';')
+    """
     mark = ";" if line.count(";") > line.count(",") else ","
-    return [field.strip(' \t\r\n"') for field in line.split(mark)], mark
+    return split_fields(line, mark), mark
 
 
 def _csv_rows(path: str, columns: FcdColumns, *, people: bool) -> Iterator[FcdRow]:
@@ -167,6 +183,7 @@ class _XmlRows:
     def _begin(self, name: str, attributes: dict[str, str]) -> None:
         self._depth += 1
         line = self.parser.CurrentLineNumber
+        require_shallow(self._path, self._depth, line)
         if self._depth == 1:
             self.root = name
         elif name == "timestep":
@@ -193,25 +210,9 @@ class _XmlRows:
 def _xml_rows(path: str, *, people: bool) -> Iterator[FcdRow]:
     """Yield the rows of SUMO's FCD output; their numbers are lines."""
     found = _XmlRows(path, people=people)
-    try:
-        with opened(path) as file:
-            while chunk := file.read(_CHUNK):
-                found.parser.Parse(chunk, False)
-                yield from found.rows
-                found.rows.clear()
-            found.parser.Parse(b"", True)
-    except expat.ExpatError as error:
+    for _ in fed(path, found.parser):
         yield from found.rows
-        raise DataFormatError(
-            path,
-            f"is not well-formed XML: {expat.ErrorString(error.code)}",
-            row=error.lineno,
-            remedy="Check that it is complete.",
-        ) from error
-    except (LookupError, ValueError) as error:  # of an encoding that the parser does not know
-        raise DataFormatError(
-            path, f"is not readable as XML: {error}", row=1, remedy="Write it in UTF-8."
-        ) from error
+        found.rows.clear()
     if found.root != "fcd-export":
         raise DataFormatError(
             path, f"the root is {found.root!r}, not fcd-export", row=1, remedy="Give SUMO's --fcd-output."

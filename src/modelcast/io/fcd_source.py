@@ -5,23 +5,20 @@ has a compression of its own; a Parquet file inside gzip is unpacked into a temp
 from its end.
 """
 
-import gzip
 import io
 import shutil
 import tempfile
-import zlib
 from collections.abc import Generator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import IO, Literal
 
 from modelcast.core.exceptions import DataFormatError
+from modelcast.io.packed import is_packed, open_octets
 
 __all__ = ["FcdKind", "fcd_kind", "opened", "seekable", "text"]
 
 FcdKind = Literal["csv", "parquet", "xml"]
 
-_GZIP = b"\x1f\x8b"
 _UNREAD = {b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd", b"PK\x03\x04": "zip"}
 _MARK = b"\xef\xbb\xbf"
 _IN_MEMORY = 64 * 2**20
@@ -29,7 +26,7 @@ _IN_MEMORY = 64 * 2**20
 
 @contextmanager
 def opened(path: str) -> Generator[IO[bytes]]:
-    """Yield a file's bytes, unpacked where it is compressed by gzip.
+    """Yield a file's bytes, unpacked where it is packed (`modelcast.io.packed`).
 
     Parameters
     ----------
@@ -42,18 +39,8 @@ def opened(path: str) -> Generator[IO[bytes]]:
         Where it cannot be read or unpacked, also while it is being read.
     """
     try:
-        with Path(path).open("rb") as file:
-            packed = file.read(2) == _GZIP
-            file.seek(0)
-            if packed:
-                with gzip.open(file) as unpacked:
-                    yield unpacked  # pyright: ignore[reportReturnType] - a GzipFile reads as a binary file
-            else:
-                yield file
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise DataFormatError(
-            path, f"cannot be unpacked: {error}", remedy="Check that it is complete."
-        ) from error
+        with open_octets(path) as file:
+            yield file
     except OSError as error:
         raise DataFormatError(path, f"cannot be read: {error.strerror or error}") from error
 
@@ -68,7 +55,7 @@ def seekable(path: str) -> Generator[IO[bytes]]:
         The file.
     """
     with opened(path) as file:
-        if not isinstance(file, gzip.GzipFile):
+        if not is_packed(path):
             yield file
             return
         with tempfile.SpooledTemporaryFile(_IN_MEMORY) as whole:

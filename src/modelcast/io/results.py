@@ -16,26 +16,33 @@ a message trace (`write_message_trace`)
 The same result gives the same bytes: keys are sorted, and there is no time stamp and no absolute path.
 """
 
+# pyarrow has no type stubs: what comes out of it is unknown to pyright.
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
+
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
+import pyarrow.parquet as pq
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.version import package_version
-from modelcast.io.arrow import SAMPLES_SCHEMA, columns_table, plain_text, sample_tables, write_tables
+from modelcast.io.arrow import columns_table, plain_text, write_tables
 from modelcast.io.documents import document_text, plain_value, row_document
 from modelcast.io.output import atomic_file, output_folder
+from modelcast.io.record_files import EVENTS_FILE, SAMPLES_FILE, RecordFiles
 from modelcast.io.table_files import csv_text
-from modelcast.study.result import Columns, EvaluationResult, HoldsEvaluation, result_of
+from modelcast.study.result import EvaluationResult, HoldsEvaluation, result_of
+from modelcast.study.rules import MODEL_SENDER
 
 __all__ = [
     "SUMMARY_SCHEMA",
     "summary_document",
     "write_message_trace",
     "write_results",
+    "write_summary",
 ]
 
 SUMMARY_SCHEMA = 1
@@ -69,7 +76,7 @@ def write_results(result: EvaluationResult | HoldsEvaluation, folder: str | Path
     Parameters
     ----------
     result
-        The evaluation.
+        The evaluation, with the messages and samples it kept.
     folder
         Made where it is missing.
 
@@ -80,18 +87,31 @@ def write_results(result: EvaluationResult | HoldsEvaluation, folder: str | Path
     """
     found = result_of(result)
     with output_folder(folder) as place:
-        summary, events, samples = (
-            place / name for name in ("summary.json", "events.parquet", "samples.parquet")
-        )
-        summary.write_text(document_text(summary_document(found)), encoding="utf-8", newline="\n")
-        table = columns_table(found.events)
-        write_tables([table], table.schema, events)
-        write_tables(sample_tables(found.samples), SAMPLES_SCHEMA, samples)
-    return [summary, events, samples]
+        summary = write_summary(found, place)
+        with RecordFiles(place) as records:
+            records.add_events(found.events)
+            for block in found.samples:
+                records.add_samples(block)
+        return [summary, place / EVENTS_FILE, place / SAMPLES_FILE]
+
+
+def write_summary(result: EvaluationResult, folder: Path) -> Path:
+    """Write ``summary.json`` alone, where `RecordFiles` wrote the rest; return its path.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    folder
+        An existing folder.
+    """
+    summary = folder / "summary.json"
+    summary.write_text(document_text(summary_document(result)), encoding="utf-8", newline="\n")
+    return summary
 
 
 def write_message_trace(
-    result: EvaluationResult,
+    result: EvaluationResult | Path,
     path: str | Path,
     *,
     policy: str | None = None,
@@ -105,11 +125,12 @@ def write_message_trace(
     Parameters
     ----------
     result
-        The evaluation.
+        The evaluation, with the messages it kept; or the folder that `write_results` or `RecordFiles` wrote.
     path
         ``*.csv`` or ``*.parquet``; it appears whole or not at all.
     policy
-        As rows name it; None for the model-based sender, ``mbc`` where the error-driven policy decides.
+        As rows name it; None for the model-based sender, ``mbc`` where the error-driven policy decides. A
+        folder's must be named.
     bank
         The bank of sub-models; None for the first one evaluated.
     threshold_m
@@ -123,7 +144,7 @@ def write_message_trace(
     path = Path(path)
     if path.suffix not in {".csv", ".parquet"}:
         raise ConfigError(f"a message trace is .csv or .parquet, not {path.name!r}")
-    table = _message_trace(result.events, policy=policy or result.sender, bank=bank, threshold_m=threshold_m)
+    table = _message_trace(_messages_of(result, policy), bank=bank, threshold_m=threshold_m)
     with atomic_file(path) as file:
         if path.suffix == ".parquet":
             write_tables([table], table.schema, file)
@@ -131,19 +152,28 @@ def write_message_trace(
             file.write(csv_text(table).encode())
 
 
-def _message_trace(events: Columns, *, policy: str, bank: str | None, threshold_m: float | None) -> Any:
-    table = plain_text(columns_table(events))
-    table = table.filter(pc.field("policy") == policy)
-    if bank is None and table.num_rows:
-        bank = str(table["bank"][0].as_py())
-    table = table.filter(pc.field("bank") == (bank or ""))
+def _messages_of(result: EvaluationResult | Path, policy: str | None) -> Any:
+    if isinstance(result, Path):
+        wanted = policy or MODEL_SENDER
+        table: Any = pq.read_table(result / EVENTS_FILE, filters=pc.field("policy") == wanted)
+    else:
+        wanted = policy or result.sender
+        table = plain_text(columns_table(result.events)).filter(pc.field("policy") == wanted)
+    if not table.num_rows:
+        raise ConfigError(f"no message of policy {wanted!r}")
+    return table
+
+
+def _message_trace(table: Any, *, bank: str | None, threshold_m: float | None) -> Any:
+    bank = bank or str(table["bank"][0].as_py())
+    table = table.filter(pc.field("bank") == bank)
     if threshold_m is None and table.num_rows:
         threshold_m = float(np.min(table["threshold_m"].to_numpy()))
     if threshold_m is not None:
         near = np.isclose(table["threshold_m"].to_numpy(), threshold_m, rtol=0.0, atol=1e-9)
         table = table.filter(pa.array(near, pa.bool_()))
     if not table.num_rows:
-        raise ConfigError(f"no message of policy {policy!r}, bank {bank!r}, threshold {threshold_m} m")
+        raise ConfigError(f"no message of bank {bank!r}, threshold {threshold_m} m")
     table = table.select(["t_s", "trip", "size_bytes", "kind"])
     table = table.rename_columns(["t_s", "vehicle", "size_bytes", "kind"])
     return table.sort_by([("t_s", "ascending"), ("vehicle", "ascending")])

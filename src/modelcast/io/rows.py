@@ -77,7 +77,7 @@ class Rows:
         One-based line or record numbers, (R,).
     columns
         Numbers by name, (R,) each, NaN where missing: ``t_s``, then ``east_m`` and ``north_m`` or
-        ``latitude_deg`` and ``longitude_deg``, and any of `OPTIONAL`.
+        ``latitude_deg`` and ``longitude_deg``, any of `OPTIONAL`, and ``piece`` where the log parts a trip.
     """
 
     line: IntArray
@@ -229,6 +229,7 @@ def make_trip(
             source=source,
             vehicle=vehicle,
             reading=reading,
+            piece=columns.get("piece"),
         )
     except (ValueError, FloatingPointError) as error:
         raise DataFormatError(path, str(error), row=int(rows.line[0])) from error

@@ -234,7 +234,9 @@ def _tracking_section(result: EvaluationResult) -> str:
     pooled = [row for row in result.tracking if row.trip == POOLED]
     single = [row for row in result.tracking if row.trip != POOLED]
     parts = [_details(f"All trips pooled ({len(pooled)} rows)", pooled, result)]
-    if len(single) <= _MOST_TRACKING_ROWS:
+    if pooled and not single:
+        parts.append('<p class="note">Rows of single trips are in the tables of parts/.</p>')
+    elif len(single) <= _MOST_TRACKING_ROWS:
         parts.append(_details(f"Each trip ({len(single)} rows)", single, result))
     else:
         parts.append(f'<p class="note">The {len(single)} rows of single trips are in summary.json.</p>')

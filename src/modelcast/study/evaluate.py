@@ -1,61 +1,32 @@
 """The main job: trips in, an `EvaluationResult` out."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
+from math import inf
 
 import numpy as np
 
-from modelcast.core.exceptions import ConfigError
 from modelcast.models.learned.spans import short_at
 from modelcast.runtime.trip.context import TripContexts
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime, sense_trip
 from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import SensedTrip, TripCase, make_case
 from modelcast.study.context import case_contexts, reads_context, trip_runtimes
+from modelcast.study.gathered import Gathered, Illustration, TripCount
 from modelcast.study.illustration import draw_manoeuvre, draw_timeline, sharpest_instant
-from modelcast.study.pooling import TrackingPool, pool_ecdf, pool_row
-from modelcast.study.rate import RateCount, count_rates, pooled_rates, rate_row
-from modelcast.study.recording import EventRecorder, sample_block
-from modelcast.study.reference import count_references, pooled_references
-from modelcast.study.result import (
-    POOLED,
-    RATES,
-    REFERENCES,
-    TRACKING,
-    EvaluationResult,
-    Manoeuvre,
-    SampleBlock,
-    Timeline,
-    TripRow,
-)
+from modelcast.study.pooling import TrackingPool, sorted_errors, trip_row
+from modelcast.study.rate import count_rates
+from modelcast.study.recording import AbstractRecordSink, HeldRecords, event_columns, sample_block
+from modelcast.study.reference import count_references
+from modelcast.study.result import EvaluationResult, TripRow
 from modelcast.study.settings import EvaluationSettings
-from modelcast.study.table import Row
-from modelcast.study.tracking import Contender, run_tracking
+from modelcast.study.tracking import run_tracking
 from modelcast.trips.fingerprint import known_trips
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["evaluate"]
+__all__ = ["evaluate", "evaluate_trip"]
 
 Progress = Callable[[int, int], None]
-
-
-@dataclass(slots=True)
-class _Collected:
-    """What has been gathered from the trips so far."""
-
-    trips: list[TripRow] = field(default_factory=list[TripRow])
-    counts: list[RateCount] = field(default_factory=list[RateCount])
-    rates: list[Row] = field(default_factory=list[Row])
-    references: list[Row] = field(default_factory=list[Row])
-    tracking: list[Row] = field(default_factory=list[Row])
-    pools: dict[tuple[Contender, float], TrackingPool] = field(
-        default_factory=dict[tuple[Contender, float], TrackingPool]
-    )
-    samples: list[SampleBlock] = field(default_factory=list[SampleBlock])
-    failures: dict[str, str] = field(default_factory=dict[str, str])
-    sharpness: float = -1.0
-    timeline: Timeline | None = None
-    manoeuvre: Manoeuvre | None = None
 
 
 def evaluate(
@@ -63,6 +34,7 @@ def evaluate(
     settings: EvaluationSettings | None = None,
     *,
     progress: Progress | None = None,
+    records: AbstractRecordSink | None = None,
 ) -> EvaluationResult:
     """Run the hybrid bank and the raw-message baseline over trips: rates, tracking under loss, figures' data.
 
@@ -75,6 +47,9 @@ def evaluate(
         What to do; the defaults are the paper's.
     progress
         Called with trips done and trips known so far.
+    records
+        Takes messages and tracking-error samples trip by trip; the result then has none of them, and memory
+        does not grow with the driving but by some rows a trip. Where None, the result keeps them.
 
     Returns
     -------
@@ -96,102 +71,110 @@ def evaluate(
     [('mbc', 0.5), ('baseline', 0.5)]
     """
     settings = EvaluationSettings() if settings is None else settings
-    collected = _Collected()
-    events = EventRecorder(settings)
-    done = 0
+    held = HeldRecords()
+    gathered = Gathered()
     contexts = None
     if reads_context(settings.bank):  # then trips know of each other
         trips = list(trips)
         contexts = case_contexts([make_case(trip, settings) for trip in trips], settings)
     for done, trip in enumerate(trips, start=1):
-        _evaluate_trip(trip, settings, collected, events, (contexts, done - 1))
+        gathered.merge(
+            evaluate_trip(
+                trip,
+                settings,
+                records=records or held,
+                known=(contexts, done - 1),
+                sharper_than_mps2=gathered.sharpness,
+            )
+        )
         if progress is not None:
             progress(done, done)
-    if not collected.trips:
-        reasons = "; ".join(f"{trip}: {reason}" for trip, reason in collected.failures.items())
-        raise ConfigError("no usable trip" + (f" ({reasons})" if reasons else ""))
-    if settings.map_at is not None and collected.manoeuvre is None:
-        raise ConfigError(f"no trip named {settings.map_at[0]} to draw the map of")
-    return EvaluationResult(
-        settings.as_plain(),
-        trips=tuple(collected.trips),
-        rates=RATES.table([*pooled_rates(collected.counts), *collected.rates]),
-        tracking=TRACKING.table(
-            [*(pool_row(POOLED, pool) for pool in collected.pools.values()), *collected.tracking]
-        ),
-        ecdfs=tuple(pool_ecdf(pool) for pool in collected.pools.values()),
-        timeline=collected.timeline,
-        manoeuvre=collected.manoeuvre,
-        events=events.columns(),
-        samples=tuple(collected.samples),
-        failures=collected.failures,
-        references=REFERENCES.table([*pooled_references(collected.references), *collected.references]),
-    )
+    return gathered.result(settings, held)
 
 
-def _evaluate_trip(
+def evaluate_trip(
     trip: Trajectory | SensedTrip,
     settings: EvaluationSettings,
-    collected: _Collected,
-    events: EventRecorder,
-    known: tuple[TripContexts | None, int],
-) -> None:
+    *,
+    records: AbstractRecordSink,
+    known: tuple[TripContexts | None, int] = (None, 0),
+    sharper_than_mps2: float = inf,
+) -> Gathered:
+    """What is found of one trip; of one that is too short for a window, that it failed.
+
+    Parameters
+    ----------
+    trip
+        As for `evaluate`.
+    settings
+        What to do.
+    records
+        Takes its messages and samples.
+    known
+        Contexts of all trips, and which this one is among them.
+    sharper_than_mps2
+        Draw its sharpest manoeuvre where that is sharper; by default it is only told.
+    """
     seen = trip.seen if isinstance(trip, SensedTrip) else trip
-    trip_id = seen.trip_id
-    if trip_id in {row.id for row in collected.trips} | set(collected.failures):
-        raise ConfigError(f"two trips are named {trip_id}: rename one of their files")
+    found = Gathered()
     longest = int(np.diff(seen.segments).max())
     needed = int(settings.bank.windows.max())
     if longest < needed:
-        collected.failures[trip_id] = f"its longest part has {longest} samples, a window needs {needed}"
-        return
+        found.failures[seen.trip_id] = f"its longest part has {longest} samples, a window needs {needed}"
+        return found
     case = make_case(trip, settings)
     quantised = settings.quantised
     sensed = sense_trip(case.seen, case.estimator, quantised=quantised)
     mbc, each = trip_runtimes(case, settings, sensed, *known)
     baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator, quantised=quantised, sensed=sensed)
-    collected.trips.append(_trip_row(case, settings))
+    found.trips.append(_trip_row(case, settings))
     counted = count_rates(case, mbc, baseline, settings)
     for count, walk in counted:
-        collected.counts.append(count)
-        collected.rates.append(rate_row(trip_id, count))
-        events.add(case, count, walk)
+        found.counts.append(TripCount(seen.trip_id, count))
+        records.add_events(event_columns(case, count, walk, settings))
     if settings.references:
-        collected.references += count_references(case, settings.thresholds_m)
-    _illustrate(case, (mbc, baseline), counted[0][1], settings, collected)
+        found.references += count_references(case, settings.thresholds_m)
+    found.illustration = _illustrated(case, (mbc, baseline), counted[0][1], settings, sharper_than_mps2)
+    if not settings.packet_error_ratios:
+        return found
     for run in run_tracking(case, each, baseline, settings):
         block = sample_block(case, run, settings)
         if block is not None:
-            collected.samples.append(block)
+            records.add_samples(block)
         for row, ratio in enumerate(settings.packet_error_ratios):
-            own = TrackingPool(run.contender, ratio)
-            shared = collected.pools.setdefault((run.contender, ratio), TrackingPool(run.contender, ratio))
-            own.fill(run, row, case.truth.dt_s, case.truth.duration_s)
-            shared.merge(own)
-            collected.tracking.append(pool_row(trip_id, own))
+            pool = found.pools[run.contender, ratio] = TrackingPool(run.contender, ratio)
+            pool.fill(run, row, case.truth.dt_s, case.truth.duration_s)
+            found.tracking.append(trip_row(seen.trip_id, pool, sorted_errors(run, row)))
+    return found
 
 
-def _illustrate(
+def _illustrated(
     case: TripCase,
     banks: tuple[TripRuntime, TripRuntime],
     walk: TripMessages,
     settings: EvaluationSettings,
-    collected: _Collected,
-) -> None:
-    """Keep the timeline and the map of the sharpest manoeuvre so far, or of the one asked for."""
+    sharper_than_mps2: float,
+) -> Illustration | None:
+    """The sharpest manoeuvre of a trip, drawn where it is sharper than that; or the instant asked for."""
+    trip = case.truth.trip_id
     if settings.map_at is None:
         sharpest = sharpest_instant(case.truth)
-        if sharpest is None or sharpest.acceleration_mps2 <= collected.sharpness:
-            return
-        collected.sharpness = sharpest.acceleration_mps2
-        index = sharpest.index
-    elif settings.map_at[0] == case.truth.trip_id:
+        if sharpest is None:
+            return None
+        if sharpest.acceleration_mps2 <= sharper_than_mps2:
+            return Illustration(trip, sharpest.acceleration_mps2)
+        index, acceleration_mps2 = sharpest.index, sharpest.acceleration_mps2
+    elif settings.map_at[0] == trip:
         index = min(int(np.searchsorted(case.truth.t_s, settings.map_at[1])), len(case.truth) - 1)
+        acceleration_mps2 = 0.0
     else:
-        return
-    threshold_m = walk.policy.threshold_m
-    collected.timeline = draw_timeline(case, banks[0], walk, index)
-    collected.manoeuvre = draw_manoeuvre(case, banks, threshold_m, index)
+        return None
+    return Illustration(
+        trip,
+        acceleration_mps2,
+        timeline=draw_timeline(case, banks[0], walk, index),
+        manoeuvre=draw_manoeuvre(case, banks, walk.policy.threshold_m, index),
+    )
 
 
 def _trip_row(case: TripCase, settings: EvaluationSettings) -> TripRow:

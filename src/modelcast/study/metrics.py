@@ -1,4 +1,4 @@
-"""Quantiles weighted by time, and a mergeable histogram for the secondary figures."""
+"""Quantiles weighted by time, and what the percentiles of runs say of their mean."""
 
 from collections.abc import Sequence
 
@@ -7,9 +7,8 @@ import numpy.typing as npt
 from scipy import special
 
 from modelcast.core.arrays import FloatArray, SingleArray
-from modelcast.study import metrics_kernels as kernels
 
-__all__ = ["LANE_M", "Histogram", "confidence_limits", "quantiles"]
+__all__ = ["LANE_M", "confidence_limits", "quantiles"]
 
 _SAME_WEIGHT = 1e-6
 """Median steps of one recorder differ by rounding: they count as one weight, which costs a tenth as much."""
@@ -89,50 +88,3 @@ def confidence_limits(values: FloatArray) -> tuple[float | None, float | None]:
     reach = float(special.stdtrit(values.size - 1, 0.975) * values.std(ddof=1) / np.sqrt(values.size))
     centre = float(values.mean())
     return centre - reach, centre + reach
-
-
-class Histogram:
-    """Weighted counts on bins that are about 0.2 % wide, so that it merges and never grows.
-
-    Quantiles read from it err by at most 0.1 %. Values below 0.06 mm (or 0.06 ms) count as zero,
-    values from 16 384 on as that.
-    """
-
-    def __init__(self) -> None:
-        self.counts = np.zeros(kernels.BINS)
-        self.weight = 0.0
-        self.total = 0.0
-
-    def add(self, values: FloatArray | SingleArray, weight: float) -> None:
-        """Count the sizes of values, NaN left out.
-
-        Parameters
-        ----------
-        values
-            Any shape, in single or double precision.
-        weight
-            Weight of each value.
-        """
-        weighed, total = kernels.count(
-            np.ascontiguousarray(values, dtype=np.float32).reshape(-1), weight, self.counts
-        )
-        self.weight += weighed
-        self.total += total
-
-    def merge(self, other: "Histogram") -> None:
-        """Add another's counts."""
-        self.counts += other.counts
-        self.weight += other.weight
-        self.total += other.total
-
-    @property
-    def mean(self) -> float:
-        """Weighted mean of the sizes; NaN where nothing was counted."""
-        return self.total / self.weight if self.weight > 0 else float("nan")
-
-    def quantile(self, probability: float) -> float:
-        """Middle of the bin that holds the quantile; NaN where nothing was counted."""
-        if self.weight <= 0:
-            return float("nan")
-        at = kernels.bin_of(self.counts, probability * float(self.counts.sum()) * (1.0 - 1e-12))
-        return kernels.bin_middle(at)

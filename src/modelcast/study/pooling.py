@@ -1,4 +1,8 @@
-"""From tracking runs to table rows and curves: per trip, and pooled over trips weighted by time."""
+"""From tracking runs to table rows and curves: per trip, and pooled over trips weighted by time.
+
+A trip's quantiles are exact: its errors are in memory once. Over trips, pools hold histograms, which never
+grow, and whole millionths in place of sums, so that pools of parts merge in any order to the same bytes.
+"""
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
@@ -6,12 +10,13 @@ from dataclasses import KW_ONLY, dataclass, field
 import numpy as np
 
 from modelcast.core.arrays import FloatArray, SingleArray
-from modelcast.study.metrics import LANE_M, Histogram, confidence_limits, quantiles
+from modelcast.study.histogram import MILLIONTHS, Histogram, millionths
+from modelcast.study.metrics import LANE_M, confidence_limits, quantiles
 from modelcast.study.result import TRACKING, Ecdf
 from modelcast.study.table import Row
 from modelcast.study.tracking import Contender, TrackingRun
 
-__all__ = ["TrackingPool", "pool_ecdf", "pool_row", "sorted_errors"]
+__all__ = ["TrackingPool", "pool_ecdf", "pool_row", "sorted_errors", "trip_row"]
 
 _PROBABILITIES = (0.5, 0.9, 0.95, 0.99)
 _ECDF_PROBABILITIES = np.concatenate([np.linspace(0.0, 0.98, 295), np.linspace(0.9805, 1.0, 40)])
@@ -25,25 +30,32 @@ class TrackingPool:
     ----------
     contender, packet_error_ratio
         Whose errors.
-    by_seed_m
-        For every seed, one sorted array of errors a trip [m].
-    weights_s
-        The time one sample of each trip stands for [s].
+    by_seed
+        Errors of every seed, weighted by the time a sample stands for [us].
+    own_threshold_m
+        Threshold that the contender itself ran at [m]; None where it has none, or trips differ.
+    samples, excluded
+        Samples over all seeds: with an error, and without.
+    messages
+        Messages sent, mean over the seeds, in millionths.
+    duration_us, beyond_us
+        Time observed; over all seeds the time spent with an error over a lane's half width.
+    before, along, cross, age
+        Of all seeds, weighted as the errors are.
+    gaps
+        Between messages received; every gap weighs the same.
     """
 
     contender: Contender
     packet_error_ratio: float
     _: KW_ONLY
-    by_seed_m: list[list[SingleArray]] = field(default_factory=list[list[SingleArray]])
-    weights_s: list[float] = field(default_factory=list[float])
+    by_seed: list[Histogram] = field(default_factory=list[Histogram])
     own_threshold_m: float | None = None
     samples: int = 0
     excluded: int = 0
-    messages: float = 0.0
-    duration_s: float = 0.0
-    total_m: float = 0.0
-    beyond: float = 0.0
-    weight_s: float = 0.0
+    messages: int = 0
+    duration_us: int = 0
+    beyond_us: int = 0
     before: Histogram = field(default_factory=Histogram)
     along: Histogram = field(default_factory=Histogram)
     cross: Histogram = field(default_factory=Histogram)
@@ -64,22 +76,22 @@ class TrackingPool:
         duration_s
             Time observed [s].
         """
-        rows = sorted_errors(run, ratio)
-        self.by_seed_m = [[row] for row in rows]
-        seen = sum(row.size for row in rows)
+        after_m = run.after_m[ratio]
+        step_us = max(millionths(dt_s), 1)
+        for errors_m in after_m:
+            one = Histogram()
+            one.add(errors_m, step_us)
+            self.by_seed.append(one)
+        self.samples = sum(one.weight for one in self.by_seed) // step_us
+        self.excluded = after_m.size - self.samples
         self.own_threshold_m = run.own_threshold_m[ratio]
-        self.weights_s = [dt_s]
-        self.samples = seen
-        self.excluded = run.after_m[ratio].size - seen
-        self.messages = run.messages[ratio]
-        self.duration_s = duration_s
-        self.total_m = dt_s * float(sum(row.sum(dtype=np.float64) for row in rows))
-        self.beyond = dt_s * float(sum(row.size - np.searchsorted(row, LANE_M, side="right") for row in rows))
-        self.weight_s = dt_s * seen
-        self.before.add(run.before_m[ratio], dt_s)
-        self.along.add(run.along_m[ratio], dt_s)
-        self.cross.add(run.cross_m[ratio], dt_s)
-        self.age.add(run.age_s[ratio], dt_s)
+        self.messages = millionths(run.messages[ratio])
+        self.duration_us = millionths(duration_s)
+        self.beyond_us = step_us * int(np.count_nonzero(after_m > LANE_M))
+        self.before.add(run.before_m[ratio], step_us)
+        self.along.add(run.along_m[ratio], step_us)
+        self.cross.add(run.cross_m[ratio], step_us)
+        self.age.add(run.age_s[ratio], step_us)
         self.gaps.merge(run.gaps_s[ratio])
 
     def merge(self, other: "TrackingPool") -> None:
@@ -88,23 +100,20 @@ class TrackingPool:
         Parameters
         ----------
         other
-            One trip's pool.
+            It stays as it is.
         """
-        if not self.by_seed_m:
-            self.by_seed_m = [[] for _ in other.by_seed_m]
+        if not self.by_seed:
+            self.by_seed = [Histogram() for _ in other.by_seed]
             self.own_threshold_m = other.own_threshold_m
         elif self.own_threshold_m != other.own_threshold_m:
             self.own_threshold_m = None
-        for kept, rows in zip(self.by_seed_m, other.by_seed_m, strict=True):
-            kept.extend(rows)
-        self.weights_s.extend(other.weights_s)
+        for kept, added in zip(self.by_seed, other.by_seed, strict=True):
+            kept.merge(added)
         self.samples += other.samples
         self.excluded += other.excluded
         self.messages += other.messages
-        self.duration_s += other.duration_s
-        self.total_m += other.total_m
-        self.beyond += other.beyond
-        self.weight_s += other.weight_s
+        self.duration_us += other.duration_us
+        self.beyond_us += other.beyond_us
         for name in ("before", "along", "cross", "age", "gaps"):
             getattr(self, name).merge(getattr(other, name))
 
@@ -125,51 +134,35 @@ def sorted_errors(run: TrackingRun, ratio: int) -> list[SingleArray]:
     return [ordered[k, : valid[k]] for k in range(after.shape[0])]
 
 
-def pool_row(trip: str, pool: TrackingPool) -> Row:
-    """The table row of a pool.
+def trip_row(trip: str, pool: TrackingPool, errors_m: Sequence[SingleArray]) -> Row:
+    """The table row of one trip, its quantiles exact.
 
     Parameters
     ----------
     trip
-        Trip id, or the name of pooled rows.
+        Its id.
+    pool
+        Its errors.
+    errors_m
+        The same errors sorted, one array a seed, as `sorted_errors` gives them [m].
+    """
+    same = [1.0] * len(errors_m)
+    per_seed = np.array([quantiles([rows], [1.0], [0.9])[0] for rows in errors_m], dtype=np.float64)
+    return _row(trip, pool, quantiles(errors_m, same, _PROBABILITIES), per_seed)
+
+
+def pool_row(trip: str, pool: TrackingPool) -> Row:
+    """The table row of a pool, its quantiles those of its histograms.
+
+    Parameters
+    ----------
+    trip
+        The name of pooled rows.
     pool
         The errors.
     """
-    p50, p90, p95, p99 = _quantiles(pool, np.array(_PROBABILITIES))
-    per_seed = np.array(
-        [quantiles(rows, pool.weights_s, [0.9])[0] for rows in pool.by_seed_m], dtype=np.float64
-    )
-    low, high = confidence_limits(per_seed)
-    weight_s = max(pool.weight_s, 1e-12)
-    gaps = pool.gaps if pool.gaps.weight > 0 else None
-    return TRACKING.row(
-        trip=trip,
-        policy=pool.contender.policy,
-        bank=pool.contender.bank,
-        rate_basis=pool.contender.rate_basis,
-        threshold_m=pool.contender.threshold_m,
-        own_threshold_m=pool.own_threshold_m,
-        packet_error_ratio=pool.packet_error_ratio,
-        seeds=len(pool.by_seed_m),
-        samples=pool.samples,
-        excluded_samples=pool.excluded,
-        message_rate_hz=pool.messages / pool.duration_s,
-        pte_mean_m=pool.total_m / weight_s,
-        pte_p50_m=float(p50),
-        pte_p90_m=float(p90),
-        pte_p90_low_m=low,
-        pte_p90_high_m=high,
-        pte_p95_m=float(p95),
-        pte_p99_m=float(p99),
-        pte_before_p90_m=pool.before.quantile(0.9),
-        along_p90_m=pool.along.quantile(0.9),
-        cross_p90_m=pool.cross.quantile(0.9),
-        beyond_lane_ratio=pool.beyond / weight_s,
-        inter_packet_gap_p50_s=gaps.quantile(0.5) if gaps else None,
-        inter_packet_gap_p95_s=gaps.quantile(0.95) if gaps else None,
-        information_age_mean_s=pool.age.mean,
-        information_age_p95_s=pool.age.quantile(0.95),
-    )
+    per_seed = np.array([one.quantile(0.9) for one in pool.by_seed], dtype=np.float64)
+    return _row(trip, pool, Histogram.merged(pool.by_seed).quantiles(_PROBABILITIES), per_seed)
 
 
 def pool_ecdf(pool: TrackingPool) -> Ecdf:
@@ -179,12 +172,42 @@ def pool_ecdf(pool: TrackingPool) -> Ecdf:
         pool.contender.rate_basis,
         pool.contender.threshold_m,
         pool.packet_error_ratio,
-        _quantiles(pool, _ECDF_PROBABILITIES),
+        Histogram.merged(pool.by_seed).quantiles(_ECDF_PROBABILITIES),
         _ECDF_PROBABILITIES,
     )
 
 
-def _quantiles(pool: TrackingPool, probabilities: FloatArray) -> FloatArray:
-    rows: list[SingleArray] = [row for rows in pool.by_seed_m for row in rows]
-    weights: Sequence[float] = pool.weights_s * len(pool.by_seed_m)
-    return quantiles(rows, weights, probabilities)
+def _row(trip: str, pool: TrackingPool, errors_m: FloatArray, per_seed_m: FloatArray) -> Row:
+    """A row, given the quantiles of all errors and the 90th percentile of every seed's."""
+    p50, p90, p95, p99 = errors_m.tolist()
+    low, high = confidence_limits(per_seed_m)
+    weight_us = max(sum(one.weight for one in pool.by_seed), 1)
+    gaps = pool.gaps if pool.gaps.weight > 0 else None
+    return TRACKING.row(
+        trip=trip,
+        policy=pool.contender.policy,
+        bank=pool.contender.bank,
+        rate_basis=pool.contender.rate_basis,
+        threshold_m=pool.contender.threshold_m,
+        own_threshold_m=pool.own_threshold_m,
+        packet_error_ratio=pool.packet_error_ratio,
+        seeds=len(pool.by_seed),
+        samples=pool.samples,
+        excluded_samples=pool.excluded,
+        message_rate_hz=pool.messages / pool.duration_us,
+        pte_mean_m=sum(one.total for one in pool.by_seed) / (weight_us * MILLIONTHS),
+        pte_p50_m=p50,
+        pte_p90_m=p90,
+        pte_p90_low_m=low,
+        pte_p90_high_m=high,
+        pte_p95_m=p95,
+        pte_p99_m=p99,
+        pte_before_p90_m=pool.before.quantile(0.9),
+        along_p90_m=pool.along.quantile(0.9),
+        cross_p90_m=pool.cross.quantile(0.9),
+        beyond_lane_ratio=pool.beyond_us / weight_us,
+        inter_packet_gap_p50_s=gaps.quantile(0.5) if gaps else None,
+        inter_packet_gap_p95_s=gaps.quantile(0.95) if gaps else None,
+        information_age_mean_s=pool.age.mean,
+        information_age_p95_s=pool.age.quantile(0.95),
+    )

@@ -1,7 +1,8 @@
 """Message rates on an ideal channel, without keep-alive: the paper's first figure."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
+from math import fsum
 
 import numpy as np
 
@@ -103,8 +104,11 @@ def rate_row(trip: str, count: RateCount) -> Row:
     )
 
 
-def pooled_rates(counts: Sequence[RateCount]) -> list[Row]:
-    """Rows that pool the same policy and threshold over trips: sums of messages over sums of time."""
+def pooled_rates(counts: Iterable[RateCount]) -> list[Row]:
+    """Rows that pool the same policy and threshold over trips: sums of messages over sums of time.
+
+    The sums of times are exact before they are rounded once, so the order of the trips does not matter.
+    """
     groups: dict[tuple[str, str, float], list[RateCount]] = {}
     for count in counts:
         groups.setdefault((count.policy, count.bank, count.threshold_m), []).append(count)
@@ -116,10 +120,10 @@ def pooled_rates(counts: Sequence[RateCount]) -> list[Row]:
                 sum(count.updates for count in group),
                 sum(count.identifications for count in group),
                 sum(count.moving_messages for count in group),
-                sum(count.duration_s for count in group),
-                sum(count.moving_s for count in group),
+                fsum(count.duration_s for count in group),
+                fsum(count.moving_s for count in group),
                 sum(count.message_bytes for count in group),
-                sum(count.airtime_s for count in group),
+                fsum(count.airtime_s for count in group),
             ),
         )
         for key, group in groups.items()

@@ -1,6 +1,12 @@
-"""Columns of single messages and single tracking-error samples, gathered trip by trip."""
+"""Columns of single messages and single tracking-error samples of one trip, and who takes them.
 
-from typing import TypeVar
+They grow with the driving, by far the most of what an evaluation finds. So each trip's go to an
+`AbstractRecordSink` as soon as they are there: kept in memory (`HeldRecords`), or written to files.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,88 +21,111 @@ from modelcast.study.sent import sent_load
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.tracking import TrackingRun
 
-__all__ = ["EventRecorder", "sample_block"]
+__all__ = ["AbstractRecordSink", "HeldRecords", "event_columns", "joined_columns", "sample_block"]
 
 
-class _Names:
-    """Small integers for names, in order of first use."""
+class AbstractRecordSink(ABC):
+    """Takes the messages and the tracking-error samples of an evaluation, trip after trip."""
+
+    @abstractmethod
+    def add_events(self, columns: Columns) -> None:
+        """Take the messages of one walk, columns as in `EvaluationResult`."""
+
+    @abstractmethod
+    def add_samples(self, block: SampleBlock) -> None:
+        """Take the samples of one contender over one trip."""
+
+
+class HeldRecords(AbstractRecordSink):
+    """Keeps everything in memory: about 240 MB an hour of driving at the defaults."""
 
     def __init__(self) -> None:
-        self._codes: dict[str, int] = {}
+        self._events: list[Columns] = []
+        self._samples: list[SampleBlock] = []
 
-    def code(self, name: str) -> int:
-        """The name's number."""
-        return self._codes.setdefault(name, len(self._codes))
+    def add_events(self, columns: Columns) -> None:
+        """Keep them."""
+        self._events.append(columns)
 
-    def coded(self, parts: list[npt.NDArray[np.int32]]) -> Coded:
-        """All parts as one column."""
-        return Coded(_joined(parts, np.int32), tuple(self._codes))
+    def add_samples(self, block: SampleBlock) -> None:
+        """Keep it."""
+        self._samples.append(block)
+
+    @property
+    def events(self) -> Columns:
+        """All messages so far."""
+        return joined_columns(self._events)
+
+    @property
+    def samples(self) -> tuple[SampleBlock, ...]:
+        """All blocks so far."""
+        return tuple(self._samples)
 
 
-Scalar = TypeVar("Scalar", bound=np.generic)
+_TEXT = ("trip", "policy", "bank", "kind", "sub_model")
+_NUMBERS: dict[str, npt.DTypeLike] = {
+    "threshold_m": np.float64,
+    "t_s": np.float64,
+    "airtime_s": np.float64,
+    "size_bytes": np.int32,
+}
 
 
-def _joined(parts: list[npt.NDArray[Scalar]], kind: type[Scalar]) -> npt.NDArray[Scalar]:
-    return np.concatenate(parts) if parts else np.empty(0, dtype=kind)
-
-
-class EventRecorder:
-    """Messages of the rate runs: trip, policy, bank, threshold, time, kind, sub-model, size and airtime.
+def joined_columns(parts: Sequence[Columns]) -> Columns:
+    """The columns of messages of several walks as one.
 
     Parameters
     ----------
+    parts
+        As `event_columns` gives them; none gives columns without rows.
+    """
+    joined: dict[str, Any] = {name: _joined_names([part[name] for part in parts]) for name in _TEXT}
+    for name, kind in _NUMBERS.items():
+        columns: list[Any] = [np.empty(0, kind), *(part[name] for part in parts)]
+        joined[name] = np.concatenate(columns, dtype=kind)
+    return joined
+
+
+def _joined_names(parts: Sequence[Any]) -> Coded:
+    codes: dict[str, int] = {}
+    found: list[npt.NDArray[np.int32]] = [np.empty(0, np.int32)]
+    for part in parts:
+        own = np.array([codes.setdefault(name, len(codes)) for name in part.names], dtype=np.int32)
+        found.append(own[part.codes])
+    return Coded(np.concatenate(found), tuple(codes))
+
+
+def event_columns(
+    case: TripCase, count: RateCount, walk: TripMessages, settings: EvaluationSettings
+) -> Columns:
+    """The messages of one walk: trip, policy, bank, kind, sub-model, threshold, time, airtime and size.
+
+    Parameters
+    ----------
+    case
+        The trip.
+    count
+        Names the policy, bank and threshold.
+    walk
+        What was sent.
     settings
         Sizes and bank.
     """
-
-    def __init__(self, settings: EvaluationSettings) -> None:
-        self._settings = settings
-        self._coded = {name: _Names() for name in ("trip", "policy", "bank", "kind", "sub_model")}
-        self._codes: dict[str, list[npt.NDArray[np.int32]]] = {name: [] for name in self._coded}
-        self._numbers: dict[str, list[npt.NDArray[np.float64]]] = {
-            "threshold_m": [],
-            "t_s": [],
-            "airtime_s": [],
-        }
-        self._bytes: list[npt.NDArray[np.int32]] = []
-
-    def add(self, case: TripCase, count: RateCount, walk: TripMessages) -> None:
-        """Record the messages of one walk.
-
-        Parameters
-        ----------
-        case
-            The trip.
-        count
-            Names the policy, bank and threshold.
-        walk
-            What was sent.
-        """
-        given = BASELINE_BANK if count.policy == "baseline" else self._settings.bank
-        bank = given.complete()
-        sent = sent_load(walk, bank, case.truth.t_s, self._settings)
-        at = sent.at
-        members = tuple(member.name for member in bank.members)
-        for name, value in (
-            ("trip", case.truth.trip_id),
-            ("policy", count.policy),
-            ("bank", count.bank),
-        ):
-            self._codes[name].append(np.full(at.size, self._coded[name].code(value), dtype=np.int32))
-        kinds = np.array([self._coded["kind"].code(kind.label) for kind in MessageKind], dtype=np.int32)
-        used = np.array([self._coded["sub_model"].code(name) for name in members], dtype=np.int32)
-        self._codes["kind"].append(kinds[walk.kind[at]])
-        self._codes["sub_model"].append(used[walk.in_use[at]])
-        self._numbers["threshold_m"].append(np.full(at.size, count.threshold_m))
-        self._numbers["t_s"].append(case.truth.t_s[at])
-        self._numbers["airtime_s"].append(sent.airtime_s)
-        self._bytes.append(sent.size_bytes.astype(np.int32))
-
-    def columns(self) -> Columns:
-        """Everything recorded so far."""
-        coded = {name: names.coded(self._codes[name]) for name, names in self._coded.items()}
-        numbers = {name: _joined(parts, np.float64) for name, parts in self._numbers.items()}
-        return {**coded, **numbers, "size_bytes": _joined(self._bytes, np.int32)}
+    bank = (BASELINE_BANK if count.policy == "baseline" else settings.bank).complete()
+    sent = sent_load(walk, bank, case.truth.t_s, settings)
+    at = sent.at
+    same = np.zeros(at.size, dtype=np.int32)
+    return {
+        "trip": Coded(same, (case.truth.trip_id,)),
+        "policy": Coded(same, (count.policy,)),
+        "bank": Coded(same, (count.bank,)),
+        "kind": Coded(walk.kind[at].astype(np.int32), tuple(kind.label for kind in MessageKind)),
+        "sub_model": Coded(walk.in_use[at].astype(np.int32), tuple(member.name for member in bank.members)),
+        "threshold_m": np.full(at.size, count.threshold_m),
+        "t_s": case.truth.t_s[at],
+        "airtime_s": sent.airtime_s,
+        "size_bytes": sent.size_bytes.astype(np.int32),
+    }
 
 
 _ERRORS = {

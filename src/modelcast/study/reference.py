@@ -1,6 +1,7 @@
 """References beside every message rate: a sender that knows the future, and today's standard in Europe."""
 
 from collections.abc import Sequence
+from math import fsum
 
 import numpy as np
 
@@ -78,7 +79,7 @@ def pooled_references(rows: Sequence[Row]) -> list[Row]:
             *key,
             messages=sum(row.messages for row in group),
             least_messages=sum(row.least_messages for row in group),
-            duration_s=sum(row.duration_s for row in group),
+            duration_s=fsum(row.duration_s for row in group),
             undecided=sum(row.undecided for row in group),
         )
         for key, group in groups.items()

@@ -27,6 +27,7 @@ __all__ = [
     "Timeline",
     "TripRow",
     "result_of",
+    "trip_values",
     "trips_table",
 ]
 
@@ -452,17 +453,22 @@ def trips_table(result: EvaluationResult) -> Table:
     result
         The evaluation.
     """
-    flat = [
-        {
-            "skipped": sum(trip.skipped.values()),
-            "repaired": sum(trip.repaired.values()),
-            "warnings": ", ".join(trip.warnings),
-            "grid_east_m": trip.grid_m[0],
-            "grid_north_m": trip.grid_m[1],
-        }
-        for trip in result.trips
-    ]
-    return TRIPS.table(
-        TRIPS.row(**{name: own[name] if name in own else getattr(trip, name) for name in TRIPS.names})
-        for trip, own in zip(result.trips, flat, strict=True)
-    )
+    return TRIPS.table(TRIPS.row(**trip_values(trip)) for trip in result.trips)
+
+
+def trip_values(trip: TripRow) -> dict[str, Any]:
+    """Return the values of a trip's row of `TRIPS`, by column.
+
+    Parameters
+    ----------
+    trip
+        The trip.
+    """
+    own = {
+        "skipped": sum(trip.skipped.values()),
+        "repaired": sum(trip.repaired.values()),
+        "warnings": ", ".join(trip.warnings),
+        "grid_east_m": trip.grid_m[0],
+        "grid_north_m": trip.grid_m[1],
+    }
+    return {name: own[name] if name in own else getattr(trip, name) for name in TRIPS.names}

@@ -19,8 +19,8 @@ from modelcast.station.policy.base import MessageKind
 from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.periodic import Periodic
 from modelcast.study.case import TripCase
+from modelcast.study.histogram import Histogram
 from modelcast.study.matching import matched_threshold
-from modelcast.study.metrics import Histogram
 from modelcast.study.rules import RATE_BASES, RateBasis
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.jumps import jumps_between
@@ -332,7 +332,7 @@ class LossRuns:
         )
         gaps = tuple(Histogram() for _ in range(ratios))
         for run, gaps_s in enumerate(replayed.gaps_s):
-            gaps[run // seeds].add(gaps_s, 1.0)
+            gaps[run // seeds].add(gaps_s, 1)
         after_m, before_m, along_m, cross_m, age_s = replayed.errors.astype(np.float32).reshape(
             5, ratios, seeds, count
         )

@@ -159,11 +159,12 @@ def _least_curvature(trip: Trajectory) -> tuple[float, float]:
     counts = [n for n in range(2, _MOST_SAMPLES_A_PIECE + 1) if n * trip.dt_s <= longest_s]
     cuts = [_counted(trip, n) for n in counts]
     for period_s in _USUAL_PERIODS_S:
-        rows = period_s / trip.dt_s
-        counted = round(rows) in counts and abs(rows - round(rows)) < _ON_A_SAMPLE
-        if rows >= _LEAST_ROWS and period_s <= longest_s and not counted:
+        steps = period_s / trip.dt_s
+        counted = round(steps) in counts and abs(steps - round(steps)) < _ON_A_SAMPLE
+        if steps >= _LEAST_ROWS and period_s <= longest_s and not counted:
             cuts.append(_timed(trip, period_s))
-    told = [(ratio, cut.period_s) for cut in cuts for ratio in _ratios(trip, cut)]
+    rows = _Rows.of(trip)
+    told = [(ratio, cut.period_s) for cut in cuts for ratio in _ratios(rows, cut)]
     if not told:
         return float("nan"), float("nan")
     least = min(ratio for ratio, _ in told)
@@ -198,8 +199,8 @@ def _counted(trip: Trajectory, rows: int) -> _Cut:
     """Pieces of a whole number of rows, at every phase."""
     at = np.arange(rows, len(trip) - rows)
     length = max(rows, _LEAST_ROWS)
-    place = at + np.round(trip.t_s[trip.segment_start[at]] / trip.dt_s).astype(np.int64)
-    place -= trip.segment_start[at]
+    first = trip.segment_start[at]
+    place = at + np.round(trip.t_s[first] / trip.dt_s).astype(np.int64) - first
     return _Cut(rows * trip.dt_s, length, at, at - rows, at + rows, place % rows)
 
 
@@ -223,18 +224,44 @@ def _timed(trip: Trajectory, period_s: float) -> _Cut:
     )
 
 
-def _ratios(trip: Trajectory, cut: _Cut) -> list[float]:
+@dataclass(frozen=True, slots=True)
+class _Rows:
+    """What all cuts read of a trip, an array for each axis: positions from the first on, and parts.
+
+    Parameters
+    ----------
+    position_m
+        East and north, (T,) each [m].
+    first, end
+        First row of each row's gapless part, and the one behind its last, (T,).
+    dt_s
+        Step [s].
+    """
+
+    position_m: tuple[FloatArray, FloatArray]
+    first: IntArray
+    end: IntArray
+    dt_s: float
+
+    @classmethod
+    def of(cls, trip: Trajectory) -> "_Rows":
+        """Those of a trip."""
+        east_m, north_m = np.ascontiguousarray((trip.position_m - trip.position_m[0]).T)
+        end = np.repeat(trip.segments[1:], np.diff(trip.segments))
+        return cls((east_m, north_m), trip.segment_start, end, trip.dt_s)
+
+
+def _ratios(rows: _Rows, cut: _Cut) -> list[float]:
     """Mean acceleration within the pieces over that between them, of every phase that can tell."""
-    ends = np.repeat(trip.segments[1:], np.diff(trip.segments))
-    last = np.minimum(cut.behind, len(trip) - 1)
-    whole = (cut.behind + cut.length <= ends[last]) & (trip.segment_start[last] <= cut.before)
+    last = np.minimum(cut.behind, rows.end.size - 1)
+    whole = (cut.behind + cut.length <= rows.end[last]) & (rows.first[last] <= cut.before)
     start, before, behind, phase = (one[whole] for one in (cut.start, cut.before, cut.behind, cut.phase))
     if start.size < _MIN_PIECES:
         return []
-    slope, bend = _fits(trip, cut.length)
-    within = np.hypot(*bend[start].T)
-    between = np.hypot(*(slope[behind] - slope[before]).T) / (2.0 * cut.period_s)
-    gone = np.hypot(*(trip.position_m[behind] - trip.position_m[start]).T)
+    slopes, bends = _fits(rows, cut.length)
+    within = np.hypot(*(bend[start] for bend in bends))
+    between = np.hypot(*(slope[behind] - slope[before] for slope in slopes)) / (2.0 * cut.period_s)
+    gone = np.hypot(*(axis_m[behind] - axis_m[start] for axis_m in rows.position_m))
     moving = (gone > _MOVING_MPS * cut.period_s).astype(np.float64)
     pieces = np.bincount(phase, weights=moving)
     inner, outer = np.bincount(phase, weights=moving * within), np.bincount(phase, weights=moving * between)
@@ -242,14 +269,12 @@ def _ratios(trip: Trajectory, cut: _Cut) -> list[float]:
     return (inner[tells] / outer[tells]).tolist()
 
 
-def _fits(trip: Trajectory, length: int) -> tuple[FloatArray, FloatArray]:
-    """Velocity and acceleration of a quadratic through the rows from each row on, (T - length + 1, 2)."""
+def _fits(rows: _Rows, length: int) -> tuple[list[FloatArray], list[FloatArray]]:
+    """Velocity and acceleration of a quadratic through the rows from each row on, an axis each."""
     place = np.arange(length) - 0.5 * (length - 1)
     square = place**2 - (place**2).mean()
-    kernels = (place / (place @ place) / trip.dt_s, 2.0 * square / (square @ square) / trip.dt_s**2)
-    near = trip.position_m - trip.position_m[0]
-    slope, bend = (
-        np.stack([np.correlate(near[:, axis], kernel, "valid") for axis in range(2)], axis=1)
-        for kernel in kernels
+    kernels = (place / (place @ place) / rows.dt_s, 2.0 * square / (square @ square) / rows.dt_s**2)
+    slopes, bends = (
+        [np.correlate(axis_m, kernel, "valid") for axis_m in rows.position_m] for kernel in kernels
     )
-    return slope, bend
+    return slopes, bends

@@ -217,6 +217,7 @@ def build_trajectory(
     source: str = "",
     vehicle: str = "",
     reading: Reading | None = None,
+    piece: npt.ArrayLike | None = None,
 ) -> Trajectory:
     """Return the trip of these samples, split at gaps and resampled where its steps are too uneven.
 
@@ -231,6 +232,8 @@ def build_trajectory(
         As in `Trajectory`; times may start anywhere and are shifted to start at 0.
     origin, start_unix_s, clock_s, source, vehicle, reading
         As in `Trajectory`.
+    piece
+        Numbers of the pieces that the log itself tells apart, (T,): where it changes, a part begins.
 
     Raises
     ------
@@ -266,7 +269,7 @@ def build_trajectory(
         vehicle=vehicle,
         reading=reading if reading is not None else Reading(rows=int(times.size)),
     )
-    trip = _split(trip)
+    trip = _split(trip, np.zeros(times.size) if piece is None else _owned(piece))
     steps = np.diff(trip.t_s)
     steps[trip.segments[1:-1] - 1] = trip.dt_s
     uneven = np.abs(steps - trip.dt_s) > UNIFORM_TOLERANCE_RATIO * trip.dt_s
@@ -278,8 +281,8 @@ def _median_step_s(t_s: FloatArray) -> float:
     return float(np.median(steps)) if steps.size else 1.0
 
 
-def _split(trip: Trajectory) -> Trajectory:
-    """Return the trip without glitches, split at gaps and jumps; its times start at 0 again."""
+def _split(trip: Trajectory, piece: FloatArray) -> Trajectory:
+    """Return the trip without glitches, split at gaps, jumps and pieces; its times start at 0 again."""
     try:
         settled = settle(trip.t_s, trip.position_m)
     except ValueError as error:
@@ -288,7 +291,9 @@ def _split(trip: Trajectory) -> Trajectory:
     jumped[settled.split] = True
     if not settled.kept.all():
         trip, jumped = _taken(trip, settled.kept, settled.off_earth), jumped[settled.kept]
-    breaks = np.flatnonzero((np.diff(trip.t_s) > GAP_STEPS * trip.dt_s) | jumped[1:]) + 1
+        piece = piece[settled.kept]
+    parted = jumped[1:] | (np.diff(piece) != 0)
+    breaks = np.flatnonzero((np.diff(trip.t_s) > GAP_STEPS * trip.dt_s) | parted) + 1
     return replace(trip, segments=np.concatenate([[0], breaks, [len(trip)]]).astype(np.int64))
 
 

@@ -53,6 +53,10 @@ _LOCAL_SETTINGS = {
 }
 
 
+class _OtherVersionError(ConfigError):
+    """A worker is of other versions: it would fail every task it is given, so that the run ends."""
+
+
 @dataclass(frozen=True, slots=True)
 class ClusterExecutor(AbstractExecutor):
     """A cluster, by its scheduler's address.
@@ -233,6 +237,8 @@ class ClusterCrew(AbstractCrew):
             return future.result()
         except KilledWorker as error:
             return Failed(LostWorkerError(error.allowed_failures + 1, f"at {error.last_worker.address}"))
+        except _OtherVersionError:
+            raise
         except CancelledError as error:
             raise ConfigError("the cluster's scheduler is gone: what is done is kept, run again") from error
         except Exception as error:  # noqa: BLE001 - whatever it is, it costs this task alone
@@ -243,12 +249,10 @@ def _require_same(worker: str, theirs: Mapping[str, str], ours: Mapping[str, str
     """Refuse a worker of other versions."""
     differs = difference(worker, theirs, ours)
     if differs:
-        raise ConfigError(f"{differs}: install the same on all machines")
+        raise _OtherVersionError(f"{differs}: install the same on all machines")
 
 
 def _checked(versions: Mapping[str, str], function: Callable[[Work], Found], one: Work) -> Found:
     """What a function gives on a worker that may have come later than the check."""
-    differs = difference(get_worker().address, worker_versions(), versions)
-    if differs:
-        raise ConfigError(f"{differs}: install the same on all machines")
+    _require_same(get_worker().address, worker_versions(), versions)
     return function(one)

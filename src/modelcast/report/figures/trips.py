@@ -47,7 +47,7 @@ def plot_trips(result: EvaluationResult) -> Figure:
     thresholds_m = sorted({row.threshold_m for row in result.rates if row.trip != POOLED})
     with style():
         if not thresholds_m:
-            return empty_figure("No trip was evaluated.")
+            return empty_figure("Rows of single trips are not in this result.")
         threshold_m = min(thresholds_m, key=lambda item: abs(item - _THRESHOLD_M))
         rates = _rates(result, threshold_m)
         ratio = nearest_ratio(evaluated_ratios(result), HEADLINE_RATIO)

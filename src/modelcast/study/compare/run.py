@@ -27,7 +27,7 @@ from modelcast.study.table import Row, Table
 from modelcast.trips.fingerprint import known_trips
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["compare"]
+__all__ = ["checked_reference", "compare"]
 
 Progress = Callable[[int, int], None]
 
@@ -74,7 +74,7 @@ def compare(
     (1.0, 1.0)
     """
     settings = CompareSettings() if settings is None else settings
-    reference = _checked_reference(candidates, settings)
+    reference = checked_reference(candidates, settings)
     usable, failures = usable_trips(trips, max(candidate.window for candidate in candidates))
     route = routes(usable, settings.route_by)
     _require_other_routes(candidates, route)
@@ -151,8 +151,19 @@ class _Work:
             self._progress(self._done, self._steps)
 
 
-def _checked_reference(candidates: Sequence[AbstractCandidate], settings: CompareSettings) -> str:
-    """The candidate that differences are taken to, once all names are seen to differ."""
+def checked_reference(candidates: Sequence[AbstractCandidate], settings: CompareSettings) -> str:
+    """The candidate that differences are taken to, once all names are seen to differ.
+
+    Parameters
+    ----------
+    candidates, settings
+        As for `compare`.
+
+    Raises
+    ------
+    ConfigError
+        Where names repeat, or none has the name of the one to compare against.
+    """
     names = [candidate.name for candidate in candidates]
     if not names:
         raise ConfigError("name at least one candidate to compare")

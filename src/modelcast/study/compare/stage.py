@@ -1,6 +1,6 @@
 """Trips made ready once for all candidates: truth, what is seen, and the baseline they are held against."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,15 @@ from modelcast.study.table import Row
 from modelcast.study.tracking import LossRuns
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["StagedTrip", "reference_ratios", "stage_trips", "usable_trips"]
+__all__ = [
+    "StagedTrip",
+    "baseline_messages",
+    "ratios_of_references",
+    "reference_ratios",
+    "stage_trips",
+    "too_short",
+    "usable_trips",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,26 +88,70 @@ def reference_ratios(staged: dict[str, list[StagedTrip]], settings: CompareSetti
     """
     if not settings.evaluation.references:
         return []
+    thresholds_m = settings.evaluation.thresholds_m
     found: list[Row] = []
     for protocol, trips in staged.items():
-        rows: list[Row] = []
-        for trip in trips:
-            rows += count_references(trip.case, settings.evaluation.thresholds_m)
-        pooled = pooled_references(rows)
-        for threshold_m in settings.evaluation.thresholds_m:
-            policy = settings.evaluation.policy(threshold_m, keep_alive=False)
-            baseline = sum(trip.baseline.run(policy).updates for trip in trips)
-            found += [
-                REFERENCE_RATIOS.row(
-                    reference=row.reference,
-                    protocol=protocol,
-                    threshold_m=threshold_m,
-                    message_ratio=row.messages / baseline,
-                )
-                for row in pooled
-                if row.threshold_m in {None, threshold_m}
-            ]
+        rows = [row for trip in trips for row in count_references(trip.case, thresholds_m)]
+        each = [baseline_messages(trip, settings) for trip in trips]
+        baselines = {threshold_m: sum(one[threshold_m] for one in each) for threshold_m in thresholds_m}
+        found += ratios_of_references(protocol, rows, baselines)
     return found
+
+
+def baseline_messages(trip: StagedTrip, settings: CompareSettings) -> dict[float, int]:
+    """Messages of the baseline over one trip, by threshold.
+
+    Parameters
+    ----------
+    trip
+        The trip.
+    settings
+        Thresholds.
+    """
+    return {
+        threshold_m: trip.baseline.run(settings.evaluation.policy(threshold_m, keep_alive=False)).updates
+        for threshold_m in settings.evaluation.thresholds_m
+    }
+
+
+def ratios_of_references(protocol: str, rows: Sequence[Row], baselines: Mapping[float, int]) -> list[Row]:
+    """Messages of the references over the baseline's in one protocol.
+
+    Parameters
+    ----------
+    protocol
+        Which.
+    rows
+        References of all trips, as `count_references` gives them.
+    baselines
+        Messages of the baseline over all trips, by threshold.
+    """
+    pooled = pooled_references(rows)
+    return [
+        REFERENCE_RATIOS.row(
+            reference=row.reference,
+            protocol=protocol,
+            threshold_m=threshold_m,
+            message_ratio=row.messages / baseline,
+        )
+        for threshold_m, baseline in baselines.items()
+        for row in pooled
+        if row.threshold_m in {None, threshold_m}
+    ]
+
+
+def too_short(trip: Trajectory, window: int) -> str | None:
+    """Why a trip holds no window; None where it holds one.
+
+    Parameters
+    ----------
+    trip
+        The trip.
+    window
+        Samples that some part of it must hold.
+    """
+    longest = int(np.diff(trip.segments).max())
+    return None if longest >= window else f"its longest part has {longest} samples, a window needs {window}"
 
 
 def usable_trips(trips: Sequence[Trajectory], window: int) -> tuple[list[Trajectory], dict[str, str]]:
@@ -124,9 +176,9 @@ def usable_trips(trips: Sequence[Trajectory], window: int) -> tuple[list[Traject
         if trip.trip_id in seen:
             raise ConfigError(f"two trips are named {trip.trip_id}: rename one of their files")
         seen.add(trip.trip_id)
-        longest = int(np.diff(trip.segments).max())
-        if longest < window:
-            failures[trip.trip_id] = f"its longest part has {longest} samples, a window needs {window}"
+        reason = too_short(trip, window)
+        if reason:
+            failures[trip.trip_id] = reason
         else:
             usable.append(trip)
     if not usable:
