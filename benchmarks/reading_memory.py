@@ -75,7 +75,7 @@ def make(folder: Path, rows: int) -> None:
         frame.write_parquet(folder / f"{name}.parquet", row_group_size=rows)
     with (folder / "drives.csv").open("rb") as read, gzip.open(folder / "drives.csv.gz", "wb", 6) as packed:
         shutil.copyfileobj(read, packed)
-    with zipfile.ZipFile(folder / "drives.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(folder / "drives.zip", "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         archive.write(folder / "drives.csv", "drives.csv")
 
 
