@@ -22,8 +22,8 @@ with NAME and WORDS
         --policy bsm-10hz mbc j2945 --threshold 0.02 --out FOLDER/warnings
 
 How fast the traffic of those calls drives is worked out here. ``--write`` puts the tables into the page,
-``--check`` tells by its exit code whether the page has them. ``--only NAME`` takes the tables of these alone, so
-that one call can be made anew.
+``--check`` tells by its exit code whether the page has them. ``--only NAME`` takes the tables of these alone,
+so that one call can be made anew.
 """
 
 import argparse

@@ -248,3 +248,13 @@ def test_real_trips_come_back_from_a_grid_with_held_values(data_folder: Path, na
         course = np.arctan2(velocity[:, 0], velocity[:, 1])
         errors.append(rms_m(condition(coarse(trip, course))[0], trip))
     assert max(errors) < RMS_BOUND_M
+
+
+def test_an_inspection_that_is_there_already_changes_nothing() -> None:
+    drive = generate_drive(seed=1, duration_s=90.0).truth
+    assert drive.heading_rad is not None
+    recorded = coarse(drive, drive.heading_rad)
+    alone, how = condition(recorded)
+    known, again = condition(recorded, inspect(recorded))
+    assert how == again
+    assert np.array_equal(alone.position_m, known.position_m)

@@ -116,7 +116,7 @@ def make_case(trip: Trajectory | SensedTrip, settings: EvaluationSettings) -> Tr
         protocol = inspection.recommended_protocol if settings.protocol == "auto" else settings.protocol
         if protocol == "sensor":
             if inspection.recommended_protocol == "sensor":
-                truth, conditioning = condition(recorded)
+                truth, conditioning = condition(recorded, inspection)
             if inspection.speed_is_stuck:
                 # It contradicts the positions: a sensor made of it would mislead every sub-model.
                 truth = replace(truth, speed_mps=None)

@@ -13,7 +13,7 @@ import numpy as np
 from modelcast.core.arrays import BoolArray, FloatArray
 from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.trips import conditioning_kernels as kernels
-from modelcast.trips.inspection import inspect
+from modelcast.trips.inspection import TripInspection, inspect
 from modelcast.trips.measurements import (
     REST_SPEED_MPS,
     Measured,
@@ -87,7 +87,7 @@ class _Fitted:
     evaluations: int
 
 
-def condition(trip: Trajectory) -> tuple[Trajectory, Conditioning]:
+def condition(trip: Trajectory, inspection: TripInspection | None = None) -> tuple[Trajectory, Conditioning]:
     """Most likely path of a recording, and how it was found.
 
     Parameters
@@ -96,6 +96,8 @@ def condition(trip: Trajectory) -> tuple[Trajectory, Conditioning]:
         As the reader returned it. Its positions are used on every row, or once a fix where they were
         extrapolated between fixes; its speed and heading only where they are fresh, and not at all where
         they contradict the positions.
+    inspection
+        What `inspect` found of it, where that is known already.
 
     Returns
     -------
@@ -124,7 +126,7 @@ def condition(trip: Trajectory) -> tuple[Trajectory, Conditioning]:
     >>> bool(np.sqrt(((truth.position_m - path) ** 2).sum(axis=1).mean()) < 0.06)
     True
     """
-    quality = inspect(trip)
+    quality = inspect(trip) if inspection is None else inspection
     recording = read_recording(trip, quality)
     if recording.velocity_mps is None and trip.speed_mps is not None and not quality.speed_is_stuck:
         # A speed alone has no direction: a first pass over the positions lends it one.
