@@ -17,10 +17,11 @@ from mcap.writer import Writer
 from modelcast.cli.app import USAGE, run
 from modelcast.cli.node import sender_of_config
 from modelcast.core.exceptions import DataFormatError
+from modelcast.io.mcap_records import MOST_CHUNK_OCTETS
 from modelcast.messages.security.time64 import since_2004_s
 from modelcast.node.config import NodeConfig, Pseudonyms, Security, Sending
 from modelcast.node.credentials import make_credentials
-from modelcast.node.recording.reader import MOST_CHUNK_OCTETS, RecordReader
+from modelcast.node.recording.reader import RecordReader
 from modelcast.node.recording.replay import replay_recording
 
 from .three_cars import UTC_S, drive

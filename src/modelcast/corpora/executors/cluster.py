@@ -12,6 +12,7 @@ import logging
 import os
 import re
 import secrets
+import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
@@ -42,6 +43,8 @@ _LOCAL = re.compile(r"local:([1-9][0-9]{0,3})")
 _REMOTE = re.compile(r"(tcp|tls)://[^\s/:]+(:[^\s/:]+)*:[0-9]{1,5}")
 _HOST = "127.0.0.1"
 _PATIENCE_S = 20
+_LOOK_S = 0.02
+_GONE_S = 120.0
 _AHEAD = 2  # tasks a worker that the scheduler knows of: one is under way, one waits for it
 
 _LOCAL_SETTINGS = {
@@ -110,7 +113,7 @@ class ClusterExecutor(AbstractExecutor):
             else:
                 where = self.address
             client = stack.enter_context(_client(where, self.address))
-            crew = ClusterCrew(client)
+            crew = ClusterCrew(client, own=self._local > 0)
             crew.require_fit()
             yield crew
 
@@ -146,10 +149,13 @@ class ClusterCrew(AbstractCrew):
     ----------
     client
         Connected.
+    own
+        Whether its workers were started for this run: then nobody else replaces them.
     """
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: Client, *, own: bool = False) -> None:
         self._client: Any = client
+        self._own = own
 
     def as_done(
         self, function: Callable[[Work], Found], work: Iterable[Work]
@@ -171,6 +177,8 @@ class ClusterCrew(AbstractCrew):
         submit()
         try:
             while waiting:
+                if self._own:
+                    self._look_after(done)
                 future = next(done)
                 one = waiting.pop(future)
                 answer = self._answer(future)
@@ -230,6 +238,17 @@ class ClusterCrew(AbstractCrew):
             for worker, version in said.items():
                 found.setdefault(worker, {})[name] = version if isinstance(version, str) else "none"
         return found
+
+    def _look_after(self, done: Any) -> None:
+        """Wait for the next task that ends, as long as there is a worker or may be one again."""
+        gone_s = 0.0
+        while not done.has_ready():
+            time.sleep(_LOOK_S)
+            gone_s += _LOOK_S
+            if gone_s >= _PATIENCE_S and self._client.nthreads():
+                gone_s = 0.0
+            elif gone_s >= _GONE_S:
+                raise ConfigError("all workers are gone and none came back: what is done is kept, run again")
 
     def _answer(self, future: Future[Any]) -> object:
         """What a task gave."""

@@ -15,8 +15,9 @@ from modelcast.dashboard.document import read_snapshot, road_text, snapshot_text
 from modelcast.dashboard.feed import AbstractLogFeed
 from modelcast.dashboard.seen_paths import SeenPaths
 from modelcast.dashboard.snapshot import Snapshot
+from modelcast.io.mcap_records import Place
 from modelcast.node.recording.about import About
-from modelcast.node.recording.reader import Place, Recorded, RecordReader
+from modelcast.node.recording.reader import Recorded, RecordReader
 from modelcast.node.recording.replay import about_of
 from modelcast.node.recording.steps import read_step
 from modelcast.node.recording.topics import PAGE, STEP

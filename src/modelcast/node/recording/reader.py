@@ -13,10 +13,10 @@ from typing import Any, Self, final
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.json_text import parse_json
-from modelcast.io.mcap_records import MAGIC, MOST_CHUNK_OCTETS, McapFile, McapMessage, Place
+from modelcast.io.mcap_records import McapFile, McapMessage, Place
 from modelcast.node.recording.topics import TOPICS
 
-__all__ = ["MAGIC", "MOST_CHUNK_OCTETS", "Place", "RecordReader", "Recorded"]
+__all__ = ["RecordReader", "Recorded"]
 
 _KNOWN = {one.name: one.schema for one in TOPICS}
 _REMEDY = "It must be an MCAP that modelcast node recorded (docs/recording.md)."
