@@ -30,6 +30,9 @@ __all__ = [
 WINDOW_S = 1.0
 """Span of the fits and differences: long against a sample, short against a manoeuvre."""
 
+_WINDOWS_AT_ONCE = 16_384
+"""Windows fitted at a time: all of a long trip at once would take 800 bytes a sample."""
+
 MAX_HELD_RATIO = 0.34
 """A column is held where a value lasts three samples or more in the median, that is, changes this often."""
 
@@ -182,12 +185,19 @@ def quadratic_residual_m(trip: Trajectory) -> FloatArray:
             continue
         t = np.lib.stride_tricks.sliding_window_view(trip.t_s[part], count)
         y = np.lib.stride_tricks.sliding_window_view(trip.position_m[part], count, axis=0)
-        s = t - t.mean(axis=1, keepdims=True)
-        basis = np.linalg.qr(np.stack([np.ones_like(s), s, s * s], axis=2))[0]
-        y = y - y.mean(axis=2, keepdims=True)
-        residual = y - np.einsum("wnk,wak->wan", basis, np.einsum("wnk,wan->wak", basis, y))
-        found.append(np.sqrt((residual**2).sum(axis=(1, 2)) / count))
+        for first in range(0, len(t), _WINDOWS_AT_ONCE):
+            some = slice(first, first + _WINDOWS_AT_ONCE)
+            found.append(_residual_m(t[some], y[some]))
     return np.concatenate(found) if found else np.empty(0)
+
+
+def _residual_m(t: FloatArray, y: FloatArray) -> FloatArray:
+    """Distance of windows of positions, (W, 2, N), from a quadratic over (W, N) times, (W,) [m]."""
+    s = t - t.mean(axis=1, keepdims=True)
+    basis = np.linalg.qr(np.stack([np.ones_like(s), s, s * s], axis=2))[0]
+    y = y - y.mean(axis=2, keepdims=True)
+    residual = y - np.einsum("wnk,wak->wan", basis, np.einsum("wnk,wan->wak", basis, y))
+    return np.sqrt((residual**2).sum(axis=(1, 2)) / t.shape[1])
 
 
 def parts(trip: Trajectory) -> list[slice]:

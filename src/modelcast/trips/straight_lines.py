@@ -11,6 +11,7 @@ and behind), at any period and phase. Where the cut falls on the fixes, the piec
 straight. Noise that was added later averages out over a piece.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -155,20 +156,25 @@ def _single(change: FloatArray, bent: BoolArray, straight: BoolArray) -> tuple[I
 
 def _least_curvature(trip: Trajectory) -> tuple[float, float]:
     """The least ratio of curvature within pieces to that between, and the period it belongs to [s]."""
-    longest_s = min(1.02 * MAX_PERIOD_S, trip.duration_s / _MIN_PIECES)
-    counts = [n for n in range(2, _MOST_SAMPLES_A_PIECE + 1) if n * trip.dt_s <= longest_s]
-    cuts = [_counted(trip, n) for n in counts]
-    for period_s in _USUAL_PERIODS_S:
-        steps = period_s / trip.dt_s
-        counted = round(steps) in counts and abs(steps - round(steps)) < _ON_A_SAMPLE
-        if steps >= _LEAST_ROWS and period_s <= longest_s and not counted:
-            cuts.append(_timed(trip, period_s))
     rows = _Rows.of(trip)
-    told = [(ratio, cut.period_s) for cut in cuts for ratio in _ratios(rows, cut)]
+    told = [(ratio, cut.period_s) for cut in _cuts(trip) for ratio in _ratios(rows, cut)]
     if not told:
         return float("nan"), float("nan")
     least = min(ratio for ratio, _ in told)
     return least, max(period_s for ratio, period_s in told if ratio <= least + _AS_GOOD)
+
+
+def _cuts(trip: Trajectory) -> "Iterator[_Cut]":
+    """Yield the trip cut at every period, one after another: all at once are 2 kB a sample."""
+    longest_s = min(1.02 * MAX_PERIOD_S, trip.duration_s / _MIN_PIECES)
+    counts = [n for n in range(2, _MOST_SAMPLES_A_PIECE + 1) if n * trip.dt_s <= longest_s]
+    for n in counts:
+        yield _counted(trip, n)
+    for period_s in _USUAL_PERIODS_S:
+        steps = period_s / trip.dt_s
+        counted = round(steps) in counts and abs(steps - round(steps)) < _ON_A_SAMPLE
+        if steps >= _LEAST_ROWS and period_s <= longest_s and not counted:
+            yield _timed(trip, period_s)
 
 
 @dataclass(frozen=True, slots=True)
