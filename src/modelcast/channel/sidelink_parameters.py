@@ -286,8 +286,9 @@ def wilab_sidelink_parameters() -> SidelinkParameters:
     set to zero; a reservation is compared by the mean power of a second; the first resource is chosen by
     chance; the best fifth is of the resources sensed. The range up to which it counts pairs, 1.41 times the
     distance at which the median SNR meets the threshold, tells the pairs that bear the power. Its packet
-    error is a step at 8.47 dB (`ThresholdErrorModel`). It leaves no weak signal out; 13 dB below the noise is
-    near enough.
+    error is a step at 8.47 dB (`ThresholdErrorModel`). It leaves no weak signal out, which would take every
+    pair on the road: here they end 13 dB below the noise. With 10 or 20 dB the largest difference from its
+    figures over ten seeds is 0.008 in place of 0.006.
     """
     return SidelinkParameters(
         7,
