@@ -56,6 +56,6 @@ def convert(
         if source.trips == 0:
             raise ConfigError("; ".join(("no usable trip: nothing was written", *source.skipped_lines())))
     if not quiet:
-        say(f"{source.trips} trips written to {out}")
+        say(f"{source.trips} trip{'' if source.trips == 1 else 's'} written to {out}")
         source.tell_skipped()
     return source.exit_code

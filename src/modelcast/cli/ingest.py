@@ -109,7 +109,8 @@ def _tell(made: "Ingested", out: Path) -> None:
 
     count = len(made.corpus.partitions)
     parts = "1 partition" if count == 1 else f"{count} partitions"
-    say(f"{made.trips:,} trips, {made.samples:,} samples of {made.rows:,} rows in {parts} written to {out}")
+    trips = "1 trip" if made.trips == 1 else f"{made.trips:,} trips"
+    say(f"{trips}, {made.samples:,} samples of {made.rows:,} rows in {parts} written to {out}")
     for kind, counts in (("skipped", made.skipped_rows), ("repaired", made.repaired_rows)):
         if counts:
             say(f"{kind}: " + ", ".join(f"{rows:,} {reason}" for reason, rows in counts.items()))
