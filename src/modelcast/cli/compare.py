@@ -57,14 +57,12 @@ def compare(
     from modelcast.cli.run_record import write_run
     from modelcast.cli.terminal import say, say_json, show
     from modelcast.io.comparison import comparison_document, write_comparison
-    from modelcast.io.manifest import require_replaceable
     from modelcast.io.output import atomic_folder
     from modelcast.report.comparison import comparison_console, write_comparison_report
 
     require_paths(paths, "compare")
     silent = quiet or json
     shown = f"--out {out}"
-    require_replaceable(out.resolve(), "compare", shown=shown)
     asked_for = Comparison(paths, format, columns, trip=trip, rate_hz=rate, options=options, where=where)
     with (
         compared(asked_for, out, quiet=silent) as result,

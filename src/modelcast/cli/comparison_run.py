@@ -14,6 +14,7 @@ from modelcast.cli.progress import counted
 from modelcast.cli.reading import TripSource
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.comparison import ComparisonJob, pool_comparison, why_not_shared
+from modelcast.io.manifest import require_replaceable
 from modelcast.study.compare.result import ComparisonResult
 from modelcast.study.compare.run import checked_reference, compare
 
@@ -43,6 +44,22 @@ class Comparison:
     options: CompareOptions
     where: ExecutorOptions
 
+    def source(self) -> TripSource:
+        """The trips, not yet taken.
+
+        Raises
+        ------
+        ConfigError
+            Where their format, columns or rate are none.
+        """
+        return TripSource(
+            self.paths,
+            format_name=self.format_name,
+            columns=parse_columns(self.columns),
+            pattern=self.trip,
+            rate_hz=self.rate_hz,
+        )
+
 
 @contextmanager
 def compared(asked: Comparison, out: Path, *, quiet: bool) -> Generator[ComparisonResult]:
@@ -60,7 +77,8 @@ def compared(asked: Comparison, out: Path, *, quiet: bool) -> Generator[Comparis
     Raises
     ------
     ConfigError
-        Where an option is out of its range, or there is no usable trip.
+        Where an option is out of its range, the output folder holds something else, or there is no usable
+        trip.
     """
     if asked.where.cluster in {"trip", "route"}:
         raise ConfigError(
@@ -69,17 +87,19 @@ def compared(asked: Comparison, out: Path, *, quiet: bool) -> Generator[Comparis
         )
     settings, candidates = asked.options.settings(), asked.options.candidates()
     checked_reference(candidates, settings)
+    source = asked.source()
+    require_replaceable(out.resolve(), "compare", shown=f"--out {out}")
     corpus = corpus_alone(asked.paths)
     if corpus is None:
         asked.where.require_no_corpus()
-        yield _together(asked, "other recordings are named beside it", quiet=quiet)
+        yield _together(asked, source, "other recordings are named beside it", quiet=quiet)
         return
     reason = why_not_shared(candidates, settings)
     if asked.rate_hz is not None:
         reason = "--rate is for trips as they are read: make a corpus of that rate"
     if reason is not None:
         asked.where.require_one_process(reason)
-        yield _together(asked, reason, quiet=quiet)
+        yield _together(asked, source, reason, quiet=quiet)
         return
     options = asked.options
     key = job_key({**options.as_plain(), "trip": asked.trip}, options.files, options.foreign)
@@ -89,16 +109,9 @@ def compared(asked: Comparison, out: Path, *, quiet: bool) -> Generator[Comparis
         yield pool_comparison(outcome, job, failures=failures, skipped={})
 
 
-def _together(asked: Comparison, reason: str, *, quiet: bool) -> ComparisonResult:
+def _together(asked: Comparison, source: TripSource, reason: str, *, quiet: bool) -> ComparisonResult:
     """Compare all trips in this process, for a reason where there is a corpus."""
     settings, candidates = asked.options.settings(), asked.options.candidates()
-    source = TripSource(
-        asked.paths,
-        format_name=asked.format_name,
-        columns=parse_columns(asked.columns),
-        pattern=asked.trip,
-        rate_hz=asked.rate_hz,
-    )
     trips = all_trips(source, asked.paths, reason, quiet=quiet)
     with counted("trips", quiet=quiet) as progress:
         found = compare(trips, candidates, settings, progress=progress)
