@@ -169,6 +169,23 @@ def test_a_trip_that_fails_costs_itself_alone(tmp_path: Path, monkeypatch: pytes
     assert "no good" in (tmp_path / "failures.json").read_text()
 
 
+def test_a_trip_that_runs_out_of_memory_is_tried_again(
+    corpora: Callable[[int], Corpus], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(trip: Trajectory, *rest: Any, **more: Any) -> Any:
+        if trip.trip_id == "made/1":
+            raise MemoryError("too little")
+        return evaluate_trip(trip, *rest, **more)
+
+    job = EvaluateJob(replace(SETTINGS, packet_error_ratios=(), references=False))
+    with monkeypatch.context() as patch:
+        patch.setattr(evaluation, "evaluate_trip", fail)
+        outcome = run_job(corpora(2), job, tmp_path, HereExecutor())
+    assert list(outcome.failures.values()) == ["MemoryError: too little"]
+    again = run_job(corpora(2), job, tmp_path, HereExecutor())
+    assert (again.kept, dict(again.failures), sum(part.trips for part in again.parts)) == (1, {}, 6)
+
+
 def test_what_a_part_holds_reads_back_as_it_was(tmp_path: Path) -> None:
     (trip,) = made_trips()[3:4]
     found = evaluate_trip(trip, SETTINGS, records=HeldRecords())
