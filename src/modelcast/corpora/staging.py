@@ -132,6 +132,8 @@ def source_folder(folder: Path, number: int) -> Path:
 def staged_already(work: Staging) -> Staged | None:
     """Return what an earlier run made of a source, None where that is to be done (again).
 
+    A source that failed is read again: there may be more memory, or another library, now.
+
     Parameters
     ----------
     work
@@ -142,7 +144,7 @@ def staged_already(work: Staging) -> Staged | None:
         changed = found.state != work.source.state
     except (OSError, ValueError, TypeError):
         return None
-    return None if changed else found
+    return None if changed or found.failure else found
 
 
 def stage(work: Staging) -> Staged:
