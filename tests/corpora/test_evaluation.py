@@ -11,7 +11,7 @@ import pytest
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.corpora import evaluation
-from modelcast.corpora.evaluation import EvaluateJob, evaluate_corpus
+from modelcast.corpora.evaluation import EvaluateJob, evaluate_corpus, gather_parts
 from modelcast.corpora.evaluation_tables import read_tables, write_tables_of
 from modelcast.corpora.executors.base import AbstractExecutor
 from modelcast.corpora.executors.here import HereExecutor
@@ -129,6 +129,20 @@ def test_of_many_trips_only_pooled_rows_are_in_the_result(
         pooled = [repr(row) for row in getattr(alone, name) if row.trip == "all"]
         assert [repr(row) for row in getattr(result, name)] == pooled
     assert result.trips == alone.trips
+
+
+def test_a_few_of_many_trips_are_listed(
+    corpora: Callable[[int], Corpus], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What counts is how many trips there are results of, not how many the corpus has."""
+    monkeypatch.setattr(evaluation, "MOST_LISTED", 2)
+    job = EvaluateJob(replace(SETTINGS, packet_error_ratios=(), references=False), pattern="made/[12]")
+    outcome = run_job(corpora(2), job, tmp_path, HereExecutor())
+    gathered, each_trip = gather_parts(outcome)
+    assert (each_trip, [trip.id for trip in gathered.trips]) == (True, ["made/1", "made/2"])
+    (outcome.parts[0].folder / "trips.parquet").unlink()
+    with pytest.raises(DataFormatError, match=r"trips\.parquet"):
+        gather_parts(outcome)
 
 
 def test_parts_of_the_same_settings_are_kept_and_others_made_anew(
