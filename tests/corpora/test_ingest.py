@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import polars as pl
@@ -18,6 +19,8 @@ from modelcast.corpora.executors.processes import ProcessExecutor
 from modelcast.corpora.ingestion import ingest
 from modelcast.corpora.layout import open_corpus
 from modelcast.corpora.sources import find_sources
+from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
+from modelcast.io.parquet import ParquetReader
 from modelcast.io.trips import read_trips
 from modelcast.trips.inspection import inspect
 from modelcast.trips.judgement import judge
@@ -165,6 +168,33 @@ def test_a_source_that_failed_is_read_again(sources: Sources, tmp_path: Path):
         ingest(replace(few, sources=tuple(short)), tmp_path / "c", executor=Order(3))
     made = ingest(many, tmp_path / "c")
     assert (made.kept, dict(made.failures), made.trips) == (2, {}, 21)
+
+
+@dataclass(frozen=True)
+class _Hungry(AbstractTripReader):
+    """Runs out of memory."""
+
+    name: ClassVar[str] = "hungry"
+
+    def matches(self, path: Path, head: bytes) -> bool:
+        """Every file."""
+        del path, head
+        return True
+
+    def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
+        """None."""
+        del path, on_skipped
+        raise MemoryError
+
+
+def test_who_bounds_the_memory_is_named(sources: Sources, tmp_path: Path):
+    """What a process may gather of a file leaves room for making trips of it."""
+    found = find_sources(good(sources()), memory_bytes=1200 * 2**20)
+    held = [one.reader.held_bytes for one in found.sources if isinstance(one.reader, ParquetReader)]
+    assert held == [850 * 2**20 // 8]
+    hungry = replace(found, sources=tuple(replace(one, reader=_Hungry()) for one in found.sources))
+    with pytest.raises(ConfigError, match="more than the 1,200 MiB that --memory gives a process"):
+        ingest(hungry, tmp_path / "c")
 
 
 def test_trips_that_share_a_name_are_told_apart_in_order_of_the_sources(sources: Sources, tmp_path: Path):

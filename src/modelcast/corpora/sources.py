@@ -16,8 +16,9 @@ from modelcast.io.skipped import free_name
 
 __all__ = ["FoundSources", "Source", "find_sources"]
 
-_HELD_SHARE, _LEAST_HELD_BYTES = 5, 8 * 2**20
-"""Share of a process' memory that rows being gathered may take: libraries, text and a trip take the rest."""
+_LIBRARIES_BYTES, _HELD_SHARE, _LEAST_HELD_BYTES = 350 * 2**20, 8, 8 * 2**20
+"""What a process takes before it reads; share of the rest that rows being gathered may take. Text, and what
+is made of a trip's rows, take the other shares."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +39,8 @@ class Source:
         Trips whose identifier matches this shell pattern are taken.
     rate_hz
         Rate at which they are read; None for as recorded.
+    memory_bytes
+        What the process that reads it may take; None where only the machine bounds it.
     """
 
     number: int
@@ -46,6 +49,7 @@ class Source:
     reader: AbstractTripReader
     pattern: str
     rate_hz: float | None = None
+    memory_bytes: int | None = None
 
     @property
     def state(self) -> list[int]:
@@ -138,5 +142,5 @@ def find_sources(
         labels[label] = recording.path
         reader = recording.reader
         if memory_bytes is not None:
-            reader = reader.within(max(memory_bytes // _HELD_SHARE, _LEAST_HELD_BYTES))
-        sources.append(Source(len(sources), label, recording.path, reader, pattern, rate_hz))
+            reader = reader.within(max((memory_bytes - _LIBRARIES_BYTES) // _HELD_SHARE, _LEAST_HELD_BYTES))
+        sources.append(Source(len(sources), label, recording.path, reader, pattern, rate_hz, memory_bytes))

@@ -212,7 +212,8 @@ def _trips(source: Source, on_skipped: OnSkipped) -> Iterator[Trajectory]:
             if trip is not None and fnmatch.fnmatch(trip.trip_id, source.pattern):
                 yield trip
     except (Exception, SystemExit) as error:
-        raise _UnreadableError(printable(failure_reason(error))) from error
+        reason = failure_reason(error, memory_bytes=source.memory_bytes)
+        raise _UnreadableError(printable(reason)) from error
 
 
 def _read(work: Staging, folder: Path, state: list[int]) -> Staged:

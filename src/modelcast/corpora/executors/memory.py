@@ -2,7 +2,11 @@
 
 import sys
 
-__all__ = ["limit_memory"]
+__all__ = ["LIMITED", "limit_memory"]
+
+LIMITED = {"ARROW_DEFAULT_MEMORY_POOL": "system"}
+"""Environment of a process that is to be bound: pyarrow's own allocator reserves a GiB before it needs any,
+and what is reserved counts."""
 
 
 def limit_memory(most_bytes: int | None) -> None:
