@@ -13,12 +13,15 @@ import pytest
 from filelock import FileLock
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.corpora import ingestion
 from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor
 from modelcast.corpora.executors.here import HereCrew
 from modelcast.corpora.executors.processes import ProcessExecutor
 from modelcast.corpora.ingestion import ingest
-from modelcast.corpora.layout import open_corpus
+from modelcast.corpora.layout import Partition, open_corpus
+from modelcast.corpora.packing import Packing, pack
 from modelcast.corpora.sources import find_sources
+from modelcast.corpora.staging import Staged, Staging, stage
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
 from modelcast.io.parquet import ParquetReader
 from modelcast.io.trips import read_trips
@@ -137,6 +140,41 @@ def test_a_killed_run_goes_on_and_gives_the_same_octets(
     made = ingest(found, tmp_path / "c", partitions=4)
     assert made.kept == kept
     assert contents(tmp_path / "c") == contents(tmp_path / "whole")
+
+
+def test_a_partition_that_cannot_be_written_is_named_and_stops_no_other(
+    sources: Sources, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    found = find_sources(good(sources()))
+    whole = ingest(found, tmp_path / "whole", partitions=4).corpus
+    name = whole.partitions[0].name
+
+    def fail(work: Packing) -> Partition:
+        if work.name == name:
+            raise MemoryError("too little")
+        return pack(work)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ingestion, "pack", fail)
+        with pytest.raises(ConfigError, match=f"partition {name}: .*too little: run again with more"):
+            ingest(found, tmp_path / "c", partitions=4)
+    assert len(list((tmp_path / "c" / "rows").iterdir())) == len(whole.partitions) - 1
+    ingest(found, tmp_path / "c", partitions=4)
+    assert contents(tmp_path / "c") == contents(tmp_path / "whole")
+
+
+def test_a_source_whose_trip_cannot_be_held_fails_alone(
+    sources: Sources, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def fail(work: Staging) -> Staged:
+        if work.source.label == "may.csv":
+            raise MemoryError
+        return stage(work)
+
+    monkeypatch.setattr(ingestion, "stage", fail)
+    made = ingest(find_sources(good(sources())), tmp_path / "c")
+    assert list(made.failures) == ["may.csv"]
+    assert "MemoryError" in made.failures["may.csv"]
 
 
 def test_processes_give_the_same_octets(sources: Sources, tmp_path: Path):
