@@ -209,10 +209,12 @@ def test_a_source_that_failed_is_read_again(sources: Sources, tmp_path: Path):
 
 
 @dataclass(frozen=True)
-class _Hungry(AbstractTripReader):
-    """Runs out of memory."""
+class _Told(AbstractTripReader):
+    """Runs out of memory, or skips in an order that a test gives."""
 
-    name: ClassVar[str] = "hungry"
+    skips: tuple[tuple[str, str], ...] = ()
+
+    name: ClassVar[str] = "told"
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Every file."""
@@ -220,9 +222,12 @@ class _Hungry(AbstractTripReader):
         return True
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
-        """None."""
-        del path, on_skipped
-        raise MemoryError
+        """None, or one."""
+        if not self.skips:
+            raise MemoryError
+        for what, reason in self.skips:
+            on_skipped(what, reason)
+        yield from read_trips([path])
 
 
 def test_who_bounds_the_memory_is_named(sources: Sources, tmp_path: Path):
@@ -230,9 +235,21 @@ def test_who_bounds_the_memory_is_named(sources: Sources, tmp_path: Path):
     found = find_sources(good(sources()), memory_bytes=1200 * 2**20)
     held = [one.reader.held_bytes for one in found.sources if isinstance(one.reader, ParquetReader)]
     assert held == [850 * 2**20 // 8]
-    hungry = replace(found, sources=tuple(replace(one, reader=_Hungry()) for one in found.sources))
+    hungry = replace(found, sources=tuple(replace(one, reader=_Told()) for one in found.sources))
     with pytest.raises(ConfigError, match="more than the 1,200 MiB that --memory gives a process"):
         ingest(hungry, tmp_path / "c")
+
+
+def test_what_was_skipped_does_not_depend_on_the_order_of_reading(sources: Sources, tmp_path: Path):
+    """Which depends on the memory there is; two skipped vehicles may share a name."""
+    skips = (("b", "no fix"), ("a", "too short"), ("a", "no fix"))
+    made = []
+    for at, order in enumerate((skips, skips[::-1])):
+        found = find_sources(good(sources())[:1])
+        found = replace(found, sources=(replace(found.sources[0], reader=_Told(order)),))
+        made.append(ingest(found, tmp_path / str(at)))
+    assert list(made[0].skipped.items()) == [("a", "no fix"), ("a#2", "too short"), ("b", "no fix")]
+    assert contents(tmp_path / "0") == contents(tmp_path / "1")
 
 
 def test_trips_that_share_a_name_are_told_apart_in_order_of_the_sources(sources: Sources, tmp_path: Path):

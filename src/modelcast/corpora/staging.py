@@ -34,7 +34,7 @@ from modelcast.io.failure import failure_reason
 from modelcast.io.partial import clean_leftovers, partial_folder
 from modelcast.io.reading_rate import read_at
 from modelcast.io.recordings import Recording
-from modelcast.io.skipped import free_name
+from modelcast.io.skipped import merge_skipped
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = [
@@ -88,7 +88,8 @@ class Staged:
     trips, rows, samples
         Numbers of trips, of rows read for them, and of samples.
     skipped
-        Vehicles that gave no trip, with the reason.
+        Vehicles that gave no trip, with the reason, in order of name: that of reading depends on how much
+        memory there is.
     failure
         Why it gave nothing; empty where it was read to its end.
     """
@@ -219,10 +220,10 @@ def _trips(source: Source, on_skipped: OnSkipped) -> Iterator[Trajectory]:
 def _read(work: Staging, folder: Path, state: list[int]) -> Staged:
     """Write the trips of a source and return their counts."""
     source = work.source
-    skipped: dict[str, str] = {}
+    noted: list[tuple[str, str]] = []
 
     def note(what: str, reason: str) -> None:
-        skipped[free_name(skipped, printable(what))] = printable(reason)
+        noted.append((printable(what), printable(reason)))
 
     trips = rows = samples = 0
     held: list[dict[str, Any]] = []
@@ -239,7 +240,7 @@ def _read(work: Staging, folder: Path, state: list[int]) -> Staged:
                 catalogue.write_table(pa.Table.from_pylist(held, schema=CATALOGUE))
                 held.clear()
         catalogue.write_table(pa.Table.from_pylist(held, schema=CATALOGUE))
-    return Staged(state, trips, rows, samples, skipped)
+    return Staged(state, trips, rows, samples, merge_skipped({what: why} for what, why in sorted(noted)))
 
 
 def _batch(trip: Trajectory) -> Any:
