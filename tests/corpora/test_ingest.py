@@ -252,6 +252,20 @@ def test_what_was_skipped_does_not_depend_on_the_order_of_reading(sources: Sourc
     assert contents(tmp_path / "0") == contents(tmp_path / "1")
 
 
+def test_rows_of_vehicles_without_a_trip_are_counted(sources: Sources, tmp_path: Path):
+    file = sources() / "may.csv"
+    text = file.read_text()
+    rows = [row for row in text.splitlines(keepends=True) if row.startswith("10100,3,")][:5]
+    invalid = [row.replace("10100,3,", "10300,1,").replace(",1,1349", ",0,1349") for row in rows]
+    file.write_text(text + "".join(invalid))
+    made = ingest(find_sources([file]), tmp_path / "c")
+    assert (made.rows, made.skipped_rows, made.rows_without_trip) == (240, {"no fix": 6}, 5)
+    table = pl.read_parquet(tmp_path / "c/skipped.parquet")
+    assert table.filter(kind="no trip").rows() == [
+        ("may.csv", "may/10300-1", "no usable row: 5 no fix", "no trip", 5)
+    ]
+
+
 def test_trips_that_share_a_name_are_told_apart_in_order_of_the_sources(sources: Sources, tmp_path: Path):
     corpus = ingest(find_sources(good(sources())), tmp_path / "c", partitions=3).corpus
     found = {trip.trip_id: trip.source for one in corpus.partitions for trip in corpus.trips(one)}

@@ -18,6 +18,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,7 @@ from modelcast.core.printable import printable
 from modelcast.corpora.catalogue import CATALOGUE, SAMPLED, catalogue_row
 from modelcast.corpora.partition_rows import SAMPLES
 from modelcast.corpora.sources import Source
-from modelcast.io.base import OnSkipped
+from modelcast.io.base import NoUsableRow, OnSkipped
 from modelcast.io.failure import failure_reason
 from modelcast.io.partial import clean_leftovers, partial_folder
 from modelcast.io.reading_rate import read_at
@@ -90,6 +91,8 @@ class Staged:
     skipped
         Vehicles that gave no trip, with the reason, in order of name: that of reading depends on how much
         memory there is.
+    skipped_rows
+        How many rows those of them had, where that is known.
     failure
         Why it gave nothing; empty where it was read to its end.
     """
@@ -99,6 +102,7 @@ class Staged:
     rows: int = 0
     samples: int = 0
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
+    skipped_rows: Mapping[str, int] = field(default_factory=dict[str, int])
     failure: str = ""
 
 
@@ -220,10 +224,11 @@ def _trips(source: Source, on_skipped: OnSkipped) -> Iterator[Trajectory]:
 def _read(work: Staging, folder: Path, state: list[int]) -> Staged:
     """Write the trips of a source and return their counts."""
     source = work.source
-    noted: list[tuple[str, str]] = []
+    noted: list[tuple[str, str, int | None]] = []
 
     def note(what: str, reason: str) -> None:
-        noted.append((printable(what), printable(reason)))
+        lost = reason.rows if isinstance(reason, NoUsableRow) else None
+        noted.append((printable(what), printable(reason), lost))
 
     trips = rows = samples = 0
     held: list[dict[str, Any]] = []
@@ -240,7 +245,10 @@ def _read(work: Staging, folder: Path, state: list[int]) -> Staged:
                 catalogue.write_table(pa.Table.from_pylist(held, schema=CATALOGUE))
                 held.clear()
         catalogue.write_table(pa.Table.from_pylist(held, schema=CATALOGUE))
-    return Staged(state, trips, rows, samples, merge_skipped({what: why} for what, why in sorted(noted)))
+    noted.sort(key=itemgetter(0, 1))
+    skipped = merge_skipped({what: why} for what, why, _ in noted)
+    each = zip(skipped, noted, strict=True)
+    return Staged(state, trips, rows, samples, skipped, {name: lost for name, (*_, lost) in each if lost})
 
 
 def _batch(trip: Trajectory) -> Any:
