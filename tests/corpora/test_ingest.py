@@ -14,11 +14,12 @@ from filelock import FileLock
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora import ingestion
+from modelcast.corpora.claim import claimed
 from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor
 from modelcast.corpora.executors.here import HereCrew
 from modelcast.corpora.executors.processes import ProcessExecutor
 from modelcast.corpora.ingestion import ingest
-from modelcast.corpora.layout import Partition, open_corpus
+from modelcast.corpora.layout import FORMAT, Partition, open_corpus
 from modelcast.corpora.packing import Packing, pack
 from modelcast.corpora.sources import find_sources
 from modelcast.corpora.staging import Staged, Staging, stage
@@ -302,6 +303,30 @@ def test_only_one_ingest_writes_to_a_corpus(sources: Sources, tmp_path: Path):
         pytest.raises(ConfigError, match="another ingest is writing"),
     ):
         ingest(find_sources(good(sources())[:1]), tmp_path / "c")
+
+
+def test_a_run_that_takes_over_at_once_is_the_only_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """One that takes the lock the moment it is released holds that which others look at."""
+    plan = {"format": FORMAT}
+    release = FileLock.release
+    others: list[FileLock] = []
+
+    def release_and_let_another_take_it(lock: FileLock, force: bool = False) -> None:
+        release(lock, force)
+        if not others:
+            others.append(FileLock(tmp_path / "c" / "ingest.lock"))
+            others[0].acquire(timeout=0)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(FileLock, "release", release_and_let_another_take_it)
+        with claimed(tmp_path / "c", plan, shown="c"):
+            pass
+    with (
+        pytest.raises(ConfigError, match="another ingest is writing"),
+        claimed(tmp_path / "c", plan, shown="c"),
+    ):
+        pass
+    others[0].release()
 
 
 def test_a_finished_corpus_is_never_changed(sources: Sources, tmp_path: Path):
