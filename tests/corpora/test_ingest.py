@@ -1,7 +1,8 @@
 """A corpus holds its sources' trips as the readers give them, whatever the way it was made."""
 
 import hashlib
-from collections.abc import Callable, Iterable, Iterator
+import zipfile
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -356,6 +357,45 @@ def test_sources_and_corpus_lie_apart(sources: Sources):
     folder = sources()
     with pytest.raises(ConfigError, match="lie in one another"):
         ingest(find_sources(good(folder)), folder)
+
+
+@dataclass(frozen=True)
+class Blind(AbstractExecutor):
+    """Workers that do not see a folder."""
+
+    folder: Path
+
+    @contextmanager
+    def start(self) -> Iterator[AbstractCrew]:
+        """In this process."""
+        yield BlindCrew(self.folder)
+
+
+class BlindCrew(HereCrew):
+    """Work in the calling process."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def require_shared(self, folders: Sequence[Path]) -> None:
+        """All folders but one are."""
+        assert all(one.is_dir() for one in folders)
+        if self.folder in folders:
+            raise ConfigError(f"worker 1 does not see {self.folder}")
+
+
+def test_every_folder_with_a_source_must_be_seen_by_the_workers(sources: Sources, tmp_path: Path):
+    april, may, odd = good(sources())
+    (tmp_path / "more").mkdir()
+    (tmp_path / "packed").mkdir()
+    may.rename(tmp_path / "more" / "may.csv")
+    with zipfile.ZipFile(tmp_path / "packed" / "odd.zip", "w") as archive:
+        archive.write(odd, "odd.parquet")
+    found = find_sources([april, tmp_path / "more", tmp_path / "packed"])
+    for folder in (april.parent, tmp_path / "more", tmp_path / "packed", tmp_path / "c"):
+        with pytest.raises(ConfigError, match=f"does not see {folder}"):
+            ingest(found, tmp_path / "c", executor=Blind(folder))
+    assert ingest(found, tmp_path / "c", executor=Blind(tmp_path)).trips == 21
 
 
 def test_without_a_usable_trip_nothing_is_left(sources: Sources, tmp_path: Path):

@@ -91,7 +91,7 @@ def ingest(
     _require_apart(found.sources, folder, shown=str(out))
     plan = _plan(found, thresholds_m=thresholds_m)
     with claimed(folder, plan, shown=str(out)), executor.start() as crew:
-        crew.require_shared([folder, *(Path(one.path).resolve().parent for one in found.sources[:1])])
+        crew.require_shared([folder, *sorted({one.place.resolve().parent for one in found.sources})])
         staging = folder / STAGING
         judged = None if thresholds_m is None else tuple(thresholds_m)
         works = [Staging(replace(one, path=_absolute(one.path)), staging, judged) for one in found.sources]

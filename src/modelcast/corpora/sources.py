@@ -52,10 +52,15 @@ class Source:
     memory_bytes: int | None = None
 
     @property
+    def place(self) -> Path:
+        """The file or folder on disk; of a member its archive."""
+        member = member_of(self.path)
+        return Path(self.path if member is None else member.archive)
+
+    @property
     def state(self) -> list[int]:
         """Number of its files, their octets together, and when the last was changed [ns]."""
-        member = member_of(self.path)
-        at = Path(self.path if member is None else member.archive)
+        at = self.place
         files = [file for file in at.rglob("*") if file.is_file()] if at.is_dir() else [at]
         found = [file.stat() for file in files]
         return [
