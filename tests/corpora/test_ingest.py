@@ -1,6 +1,7 @@
 """A corpus holds its sources' trips as the readers give them, whatever the way it was made."""
 
 import hashlib
+import os
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -177,6 +178,30 @@ def test_a_source_whose_trip_cannot_be_held_fails_alone(
     made = ingest(find_sources(good(sources())), tmp_path / "c")
     assert list(made.failures) == ["may.csv"]
     assert "MemoryError" in made.failures["may.csv"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="synced on POSIX alone")
+def test_samples_are_on_disk_before_they_count(
+    sources: Sources, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Else a crash of the machine could leave the marks of a source or a partition, and not its samples."""
+    sync, rename = os.fsync, Path.rename
+    synced: set[int] = set()
+    renamed: list[str] = []
+
+    def note(descriptor: int) -> None:
+        synced.add(os.fstat(descriptor).st_ino)
+        sync(descriptor)
+
+    def require_synced(folder: Path, target: Path) -> Path:
+        assert all(one.stat().st_ino in synced for one in (folder, *folder.rglob("*")))
+        renamed.append(target.name)
+        return rename(folder, target)
+
+    monkeypatch.setattr(os, "fsync", note)
+    monkeypatch.setattr(Path, "rename", require_synced)
+    ingest(find_sources(good(sources())[:2]), tmp_path / "c", partitions=1)
+    assert renamed == ["source-000000", "source-000001", "partition=0000"]
 
 
 def test_processes_give_the_same_octets(sources: Sources, tmp_path: Path):

@@ -32,6 +32,7 @@ from modelcast.corpora.partition_rows import SAMPLES
 from modelcast.corpora.sources import Source
 from modelcast.io.base import NoUsableRow, OnSkipped
 from modelcast.io.failure import failure_reason
+from modelcast.io.output import lasting_rename
 from modelcast.io.partial import clean_leftovers, partial_folder
 from modelcast.io.reading_rate import read_at
 from modelcast.io.recordings import Recording
@@ -172,7 +173,7 @@ def stage(work: Staging) -> Staged:
         (folder / _DONE).write_text(json.dumps(asdict(staged)), encoding="utf-8")
         if work.place.exists():
             _remove(work.place)
-        folder.rename(work.place)
+        lasting_rename(folder, work.place)
     return staged
 
 
