@@ -4,7 +4,22 @@ import os
 import signal
 from pathlib import Path
 
-__all__ = ["die_at", "doubled", "fail_at", "pid", "raise_unpicklable", "threads"]
+__all__ = ["arrow_bytes", "die_at", "doubled", "fail_at", "pid", "raise_unpicklable", "threads"]
+
+
+def arrow_bytes(rows: int) -> int:
+    """Octets by which the process grows, where it makes an Arrow array of so many rows."""
+    import pyarrow as pa  # noqa: PLC0415 - as late as a worker does
+
+    before = _data_bytes()
+    held = pa.nulls(rows, pa.float64())
+    return _data_bytes() - before + 0 * held.nbytes
+
+
+def _data_bytes() -> int:
+    """Of what RLIMIT_DATA bounds."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("VmData"))
 
 
 def doubled(number: int) -> int:

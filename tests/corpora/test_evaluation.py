@@ -11,7 +11,7 @@ import pytest
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.corpora import evaluation
-from modelcast.corpora.evaluation import EvaluateJob, evaluate_corpus
+from modelcast.corpora.evaluation import EvaluateJob, evaluate_corpus, gather_parts
 from modelcast.corpora.evaluation_tables import read_tables, write_tables_of
 from modelcast.corpora.executors.base import AbstractExecutor
 from modelcast.corpora.executors.here import HereExecutor
@@ -131,6 +131,20 @@ def test_of_many_trips_only_pooled_rows_are_in_the_result(
     assert result.trips == alone.trips
 
 
+def test_a_few_of_many_trips_are_listed(
+    corpora: Callable[[int], Corpus], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What counts is how many trips there are results of, not how many the corpus has."""
+    monkeypatch.setattr(evaluation, "MOST_LISTED", 2)
+    job = EvaluateJob(replace(SETTINGS, packet_error_ratios=(), references=False), pattern="made/[12]")
+    outcome = run_job(corpora(2), job, tmp_path, HereExecutor())
+    gathered, each_trip = gather_parts(outcome)
+    assert (each_trip, [trip.id for trip in gathered.trips]) == (True, ["made/1", "made/2"])
+    (outcome.parts[0].folder / "trips.parquet").unlink()
+    with pytest.raises(DataFormatError, match=r"trips\.parquet"):
+        gather_parts(outcome)
+
+
 def test_parts_of_the_same_settings_are_kept_and_others_made_anew(
     corpora: Callable[[int], Corpus], tmp_path: Path
 ) -> None:
@@ -167,6 +181,23 @@ def test_a_trip_that_fails_costs_itself_alone(tmp_path: Path, monkeypatch: pytes
     job.run(iter([other, good]), tmp_path)
     assert [trip.id for trip in read_tables(tmp_path, each_trip=True).trips] == [good.trip_id]
     assert "no good" in (tmp_path / "failures.json").read_text()
+
+
+def test_a_trip_that_runs_out_of_memory_is_tried_again(
+    corpora: Callable[[int], Corpus], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(trip: Trajectory, *rest: Any, **more: Any) -> Any:
+        if trip.trip_id == "made/1":
+            raise MemoryError("too little")
+        return evaluate_trip(trip, *rest, **more)
+
+    job = EvaluateJob(replace(SETTINGS, packet_error_ratios=(), references=False))
+    with monkeypatch.context() as patch:
+        patch.setattr(evaluation, "evaluate_trip", fail)
+        outcome = run_job(corpora(2), job, tmp_path, HereExecutor())
+    assert list(outcome.failures.values()) == ["MemoryError: too little"]
+    again = run_job(corpora(2), job, tmp_path, HereExecutor())
+    assert (again.kept, dict(again.failures), sum(part.trips for part in again.parts)) == (1, {}, 6)
 
 
 def test_what_a_part_holds_reads_back_as_it_was(tmp_path: Path) -> None:

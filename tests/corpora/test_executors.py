@@ -1,6 +1,7 @@
 """The contract of every executor, and what processes and clusters add to it."""
 
 import os
+import sys
 from collections.abc import Callable, Generator
 from contextlib import ExitStack
 from functools import partial
@@ -13,7 +14,7 @@ from modelcast.corpora.executors.base import TRIES, AbstractCrew, AbstractExecut
 from modelcast.corpora.executors.here import HereExecutor
 from modelcast.corpora.executors.memory import LEAST_WORKER_BYTES
 from modelcast.corpora.executors.processes import ProcessCrew, ProcessExecutor
-from worker_tasks import die_at, doubled, fail_at, pid, raise_unpicklable, threads
+from worker_tasks import arrow_bytes, die_at, doubled, fail_at, pid, raise_unpicklable, threads
 
 NUMBERS = range(7)
 
@@ -92,6 +93,15 @@ def test_folders_of_this_machine_are_seen(crew: AbstractCrew, tmp_path: Path) ->
 
 def test_a_worker_uses_one_thread(other_processes: AbstractCrew) -> None:
     assert dict(other_processes.as_done(threads, range(2))) == {0: (1, 1), 1: (1, 1)}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="bounded on Linux alone")
+def test_a_bounded_process_reserves_no_memory_that_it_does_not_use() -> None:
+    """Else work that takes far less than the bound is refused."""
+    with ProcessExecutor(1, 2**30).start() as crew:
+        ((_, taken_bytes),) = crew.as_done(arrow_bytes, [1000])
+    assert isinstance(taken_bytes, int)
+    assert 0 <= taken_bytes < 32 * 2**20
 
 
 def test_a_lost_worker_costs_nothing(other_processes: AbstractCrew, tmp_path: Path) -> None:

@@ -1,10 +1,13 @@
 """A corpus holds its sources' trips as the readers give them, whatever the way it was made."""
 
 import hashlib
-from collections.abc import Callable, Iterable, Iterator
+import os
+import zipfile
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import polars as pl
@@ -12,12 +15,18 @@ import pytest
 from filelock import FileLock
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.corpora import ingestion
+from modelcast.corpora.claim import claimed
 from modelcast.corpora.executors.base import AbstractCrew, AbstractExecutor
 from modelcast.corpora.executors.here import HereCrew
 from modelcast.corpora.executors.processes import ProcessExecutor
 from modelcast.corpora.ingestion import ingest
-from modelcast.corpora.layout import open_corpus
+from modelcast.corpora.layout import FORMAT, Partition, open_corpus
+from modelcast.corpora.packing import Packing, pack
 from modelcast.corpora.sources import find_sources
+from modelcast.corpora.staging import Staged, Staging, stage
+from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
+from modelcast.io.parquet import ParquetReader
 from modelcast.io.trips import read_trips
 from modelcast.trips.inspection import inspect
 from modelcast.trips.judgement import judge
@@ -122,15 +131,77 @@ class OrderCrew(HereCrew):
             yield one, function(one)
 
 
-@pytest.mark.parametrize("pieces", [0, 2, 5, 7])
-def test_a_killed_run_goes_on_and_gives_the_same_octets(sources: Sources, tmp_path: Path, pieces: int):
+@pytest.mark.parametrize(("pieces", "kept"), [(0, 0), (2, 1), (5, 4), (7, 4)])
+def test_a_killed_run_goes_on_and_gives_the_same_octets(
+    sources: Sources, tmp_path: Path, pieces: int, kept: int
+):
+    """What was read to its end is kept; the second source fails, and is tried again."""
     found = find_sources([sources()])
     ingest(found, tmp_path / "whole", partitions=4, executor=Order(backwards=True))
     with pytest.raises(KilledError):
         ingest(found, tmp_path / "c", partitions=4, executor=Order(pieces))
     made = ingest(found, tmp_path / "c", partitions=4)
-    assert made.kept == min(pieces, 5)
+    assert made.kept == kept
     assert contents(tmp_path / "c") == contents(tmp_path / "whole")
+
+
+def test_a_partition_that_cannot_be_written_is_named_and_stops_no_other(
+    sources: Sources, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    found = find_sources(good(sources()))
+    whole = ingest(found, tmp_path / "whole", partitions=4).corpus
+    name = whole.partitions[0].name
+
+    def fail(work: Packing) -> Partition:
+        if work.name == name:
+            raise MemoryError("too little")
+        return pack(work)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ingestion, "pack", fail)
+        with pytest.raises(ConfigError, match=f"partition {name}: .*too little: run again with more"):
+            ingest(found, tmp_path / "c", partitions=4)
+    assert len(list((tmp_path / "c" / "rows").iterdir())) == len(whole.partitions) - 1
+    ingest(found, tmp_path / "c", partitions=4)
+    assert contents(tmp_path / "c") == contents(tmp_path / "whole")
+
+
+def test_a_source_whose_trip_cannot_be_held_fails_alone(
+    sources: Sources, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def fail(work: Staging) -> Staged:
+        if work.source.label == "may.csv":
+            raise MemoryError
+        return stage(work)
+
+    monkeypatch.setattr(ingestion, "stage", fail)
+    made = ingest(find_sources(good(sources())), tmp_path / "c")
+    assert list(made.failures) == ["may.csv"]
+    assert "MemoryError" in made.failures["may.csv"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="synced on POSIX alone")
+def test_samples_are_on_disk_before_they_count(
+    sources: Sources, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Else a crash of the machine could leave the marks of a source or a partition, and not its samples."""
+    sync, rename = os.fsync, Path.rename
+    synced: set[int] = set()
+    renamed: list[str] = []
+
+    def note(descriptor: int) -> None:
+        synced.add(os.fstat(descriptor).st_ino)
+        sync(descriptor)
+
+    def require_synced(folder: Path, target: Path) -> Path:
+        assert all(one.stat().st_ino in synced for one in (folder, *folder.rglob("*")))
+        renamed.append(target.name)
+        return rename(folder, target)
+
+    monkeypatch.setattr(os, "fsync", note)
+    monkeypatch.setattr(Path, "rename", require_synced)
+    ingest(find_sources(good(sources())[:2]), tmp_path / "c", partitions=1)
+    assert renamed == ["source-000000", "source-000001", "partition=0000"]
 
 
 def test_processes_give_the_same_octets(sources: Sources, tmp_path: Path):
@@ -147,9 +218,79 @@ def test_a_source_that_changed_meanwhile_is_read_again(sources: Sources, tmp_pat
     text = (folder / "may.csv").read_text()
     (folder / "may.csv").write_text(text.replace(",3,", ",4,"))
     made = ingest(find_sources([folder]), tmp_path / "c")
-    assert made.kept == 4
+    assert made.kept == 3  # neither this one nor the broken one
     ingest(find_sources([folder]), tmp_path / "whole")
     assert contents(tmp_path / "c") == contents(tmp_path / "whole")
+
+
+def test_a_source_that_failed_is_read_again(sources: Sources, tmp_path: Path):
+    """With more memory, say: its file is the same, and what is held at a time another."""
+    files = good(sources())
+    few, many = (find_sources(files, memory_bytes=size) for size in (1, 2**30))
+    held = [one.reader.within(1000) if one.label == "may.csv" else one.reader for one in few.sources]
+    short = [replace(one, reader=reader) for one, reader in zip(few.sources, held, strict=True)]
+    with pytest.raises(KilledError):
+        ingest(replace(few, sources=tuple(short)), tmp_path / "c", executor=Order(3))
+    made = ingest(many, tmp_path / "c")
+    assert (made.kept, dict(made.failures), made.trips) == (2, {}, 21)
+
+
+@dataclass(frozen=True)
+class _Told(AbstractTripReader):
+    """Runs out of memory, or skips in an order that a test gives."""
+
+    skips: tuple[tuple[str, str], ...] = ()
+
+    name: ClassVar[str] = "told"
+
+    def matches(self, path: Path, head: bytes) -> bool:
+        """Every file."""
+        del path, head
+        return True
+
+    def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
+        """None, or one."""
+        if not self.skips:
+            raise MemoryError
+        for what, reason in self.skips:
+            on_skipped(what, reason)
+        yield from read_trips([path])
+
+
+def test_who_bounds_the_memory_is_named(sources: Sources, tmp_path: Path):
+    """What a process may gather of a file leaves room for making trips of it."""
+    found = find_sources(good(sources()), memory_bytes=1200 * 2**20)
+    held = [one.reader.held_bytes for one in found.sources if isinstance(one.reader, ParquetReader)]
+    assert held == [850 * 2**20 // 8]
+    hungry = replace(found, sources=tuple(replace(one, reader=_Told()) for one in found.sources))
+    with pytest.raises(ConfigError, match="more than the 1,200 MiB that --memory gives a process"):
+        ingest(hungry, tmp_path / "c")
+
+
+def test_what_was_skipped_does_not_depend_on_the_order_of_reading(sources: Sources, tmp_path: Path):
+    """Which depends on the memory there is; two skipped vehicles may share a name."""
+    skips = (("b", "no fix"), ("a", "too short"), ("a", "no fix"))
+    made = []
+    for at, order in enumerate((skips, skips[::-1])):
+        found = find_sources(good(sources())[:1])
+        found = replace(found, sources=(replace(found.sources[0], reader=_Told(order)),))
+        made.append(ingest(found, tmp_path / str(at)))
+    assert list(made[0].skipped.items()) == [("a", "no fix"), ("a#2", "too short"), ("b", "no fix")]
+    assert contents(tmp_path / "0") == contents(tmp_path / "1")
+
+
+def test_rows_of_vehicles_without_a_trip_are_counted(sources: Sources, tmp_path: Path):
+    file = sources() / "may.csv"
+    text = file.read_text()
+    rows = [row for row in text.splitlines(keepends=True) if row.startswith("10100,3,")][:5]
+    invalid = [row.replace("10100,3,", "10300,1,").replace(",1,1349", ",0,1349") for row in rows]
+    file.write_text(text + "".join(invalid))
+    made = ingest(find_sources([file]), tmp_path / "c")
+    assert (made.rows, made.skipped_rows, made.rows_without_trip) == (240, {"no fix": 6}, 5)
+    table = pl.read_parquet(tmp_path / "c/skipped.parquet")
+    assert table.filter(kind="no trip").rows() == [
+        ("may.csv", "may/10300-1", "no usable row: 5 no fix", "no trip", 5)
+    ]
 
 
 def test_trips_that_share_a_name_are_told_apart_in_order_of_the_sources(sources: Sources, tmp_path: Path):
@@ -190,6 +331,30 @@ def test_only_one_ingest_writes_to_a_corpus(sources: Sources, tmp_path: Path):
         ingest(find_sources(good(sources())[:1]), tmp_path / "c")
 
 
+def test_a_run_that_takes_over_at_once_is_the_only_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """One that takes the lock the moment it is released holds that which others look at."""
+    plan = {"format": FORMAT}
+    release = FileLock.release
+    others: list[FileLock] = []
+
+    def release_and_let_another_take_it(lock: FileLock, force: bool = False) -> None:
+        release(lock, force)
+        if not others:
+            others.append(FileLock(tmp_path / "c" / "ingest.lock"))
+            others[0].acquire(timeout=0)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(FileLock, "release", release_and_let_another_take_it)
+        with claimed(tmp_path / "c", plan, shown="c"):
+            pass
+    with (
+        pytest.raises(ConfigError, match="another ingest is writing"),
+        claimed(tmp_path / "c", plan, shown="c"),
+    ):
+        pass
+    others[0].release()
+
+
 def test_a_finished_corpus_is_never_changed(sources: Sources, tmp_path: Path):
     files = good(sources())
     ingest(find_sources(files), tmp_path / "c")
@@ -217,6 +382,45 @@ def test_sources_and_corpus_lie_apart(sources: Sources):
     folder = sources()
     with pytest.raises(ConfigError, match="lie in one another"):
         ingest(find_sources(good(folder)), folder)
+
+
+@dataclass(frozen=True)
+class Blind(AbstractExecutor):
+    """Workers that do not see a folder."""
+
+    folder: Path
+
+    @contextmanager
+    def start(self) -> Iterator[AbstractCrew]:
+        """In this process."""
+        yield BlindCrew(self.folder)
+
+
+class BlindCrew(HereCrew):
+    """Work in the calling process."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def require_shared(self, folders: Sequence[Path]) -> None:
+        """All folders but one are."""
+        assert all(one.is_dir() for one in folders)
+        if self.folder in folders:
+            raise ConfigError(f"worker 1 does not see {self.folder}")
+
+
+def test_every_folder_with_a_source_must_be_seen_by_the_workers(sources: Sources, tmp_path: Path):
+    april, may, odd = good(sources())
+    (tmp_path / "more").mkdir()
+    (tmp_path / "packed").mkdir()
+    may.rename(tmp_path / "more" / "may.csv")
+    with zipfile.ZipFile(tmp_path / "packed" / "odd.zip", "w") as archive:
+        archive.write(odd, "odd.parquet")
+    found = find_sources([april, tmp_path / "more", tmp_path / "packed"])
+    for folder in (april.parent, tmp_path / "more", tmp_path / "packed", tmp_path / "c"):
+        with pytest.raises(ConfigError, match=f"does not see {folder}"):
+            ingest(found, tmp_path / "c", executor=Blind(folder))
+    assert ingest(found, tmp_path / "c", executor=Blind(tmp_path)).trips == 21
 
 
 def test_without_a_usable_trip_nothing_is_left(sources: Sources, tmp_path: Path):

@@ -115,5 +115,7 @@ def _tell(made: "Ingested", out: Path) -> None:
     for kind, counts in (("skipped", made.skipped_rows), ("repaired", made.repaired_rows)):
         if counts:
             say(f"{kind}: " + ", ".join(f"{rows:,} {reason}" for reason, rows in counts.items()))
+    if made.rows_without_trip:
+        say(f"of vehicles without a usable row: {made.rows_without_trip:,} rows more")
     for line in skipped_lines(made.skipped, rest="skipped.parquet names all"):
         say(line)

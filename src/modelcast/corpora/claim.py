@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from filelock import FileLock, Timeout
+from filelock import BaseFileLock, FileLock, Timeout
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.layout import CORPUS_FILE, UNFINISHED, is_corpus
@@ -60,8 +60,7 @@ def claimed(folder: Path, plan: Mapping[str, Any], *, shown: str) -> Generator[N
             file.write(json.dumps(plan).encode())
         yield
     finally:
-        lock.release()
-        (folder / _LOCK).unlink(missing_ok=True)
+        _given_up(lock, folder / _LOCK)
         with suppress(OSError):
             folder.rmdir()  # where nothing came of it
 
@@ -76,6 +75,22 @@ def cleared(folder: Path) -> None:
     """
     shutil.rmtree(folder / STAGING, ignore_errors=True)
     (folder / UNFINISHED).unlink(missing_ok=True)
+
+
+def _given_up(lock: BaseFileLock, file: Path) -> None:
+    """Remove a lock's file and release it, in this order.
+
+    Else another run could take the lock in between, on a file that is then removed, and a third one on a new
+    file.
+    """
+    try:
+        file.unlink(missing_ok=True)
+    except OSError:  # where an open file cannot be removed
+        lock.release()
+        with suppress(OSError):
+            file.unlink(missing_ok=True)
+    else:
+        lock.release()
 
 
 def _foreign(folder: Path) -> bool:

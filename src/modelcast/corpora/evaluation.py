@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from modelcast.core.exceptions import ConfigError
-from modelcast.corpora.evaluation_tables import read_tables, write_tables_of
+from modelcast.corpora.evaluation_tables import read_tables, trips_in, write_tables_of
 from modelcast.corpora.executors.base import AbstractExecutor
 from modelcast.corpora.executors.versions import worker_versions
 from modelcast.corpora.job import AbstractJob, TripFailures, read_failures
@@ -187,7 +187,7 @@ def gather_parts(outcome: Outcome) -> tuple[Gathered, bool]:
     DataFormatError, ConfigError
         Where a part is damaged.
     """
-    each_trip = sum(part.trips for part in outcome.parts) <= MOST_LISTED
+    each_trip = sum(trips_in(part.folder) for part in outcome.parts) <= MOST_LISTED
     whole = Gathered()
     sharpest: list[Illustration] = []
     for part in outcome.parts:

@@ -37,7 +37,7 @@ from modelcast.study.result import RATES, REFERENCES, TRACKING, TRIPS, TripRow, 
 from modelcast.study.table import Row, TableSchema, count, quantity, text
 from modelcast.study.tracking import Contender
 
-__all__ = ["POOLS", "RATE_ROWS", "TRIP_ROWS", "read_tables", "write_tables_of"]
+__all__ = ["POOLS", "RATE_ROWS", "TRIP_ROWS", "read_tables", "trips_in", "write_tables_of"]
 
 TRIP_ROWS = TableSchema(
     TRIPS.name,
@@ -161,6 +161,26 @@ def read_tables(folder: Path, *, each_trip: bool) -> Gathered:
         sharpest = min(sharp, key=lambda row: (-row.sharpest_mps2, row.id))
         found.illustration = Illustration(sharpest.id, sharpest.sharpest_mps2)
     return found
+
+
+def trips_in(folder: Path) -> int:
+    """Return of how many trips a partition's tables tell; those that failed or were not asked for are none.
+
+    Parameters
+    ----------
+    folder
+        Of the partition.
+
+    Raises
+    ------
+    DataFormatError
+        Where the table is missing or damaged.
+    """
+    path = folder / f"{TRIP_ROWS.name}.parquet"
+    try:
+        return pq.read_metadata(path).num_rows
+    except (pa.ArrowException, OSError) as error:
+        raise DataFormatError(str(path), f"cannot be read: {error}", remedy=_DAMAGED) from error
 
 
 def _trip_row(trip: TripRow, sharpest_mps2: float | None) -> Row:

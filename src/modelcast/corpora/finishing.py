@@ -79,6 +79,8 @@ class Ingested:
         Numbers of trips, of rows read for them, and of samples stored.
     skipped_rows, repaired_rows
         Rows left out and put right, by reason.
+    rows_without_trip
+        Rows of vehicles that gave no trip, all left out; they are in none of the numbers above.
     skipped
         Vehicles and files that gave no trip, with the reason.
     failures
@@ -93,6 +95,7 @@ class Ingested:
     samples: int
     skipped_rows: Mapping[str, int]
     repaired_rows: Mapping[str, int]
+    rows_without_trip: int
     skipped: Mapping[str, str]
     failures: Mapping[str, str]
     kept: int
@@ -140,6 +143,7 @@ def finish(made: Made, *, kept: int) -> Ingested:
         samples=sum(one.samples for one in staged.values()),
         skipped_rows=counts["skipped"],
         repaired_rows=counts["repaired"],
+        rows_without_trip=sum(sum(one.skipped_rows.values()) for one in staged.values()),
         skipped=skipped_of(made.found, staged),
         failures=failures_of(made.found, staged),
         kept=kept,
@@ -205,11 +209,14 @@ def _write_skipped(path: Path, made: Made) -> dict[str, dict[str, int]]:
 
 def _without_trip(made: Made) -> Sequence[dict[str, Any]]:
     """Return what gave no trip as rows of the table of what was skipped."""
-    named = [(name, "", reason) for name, reason in made.found.skipped.items()]
+    named = [(name, "", reason, None) for name, reason in made.found.skipped.items()]
     for source in made.found.sources:
-        skipped = made.staged[source.number].skipped
-        named += [(source.label, trip, reason) for trip, reason in skipped.items()]
+        staged = made.staged[source.number]
+        named += [
+            (source.label, trip, reason, staged.skipped_rows.get(trip))
+            for trip, reason in staged.skipped.items()
+        ]
     return [
-        {"source": source, "trip": trip, "reason": reason, "kind": "no trip", "rows": None}
-        for source, trip, reason in named
+        {"source": source, "trip": trip, "reason": reason, "kind": "no trip", "rows": rows}
+        for source, trip, reason, rows in named
     ]

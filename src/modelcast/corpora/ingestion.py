@@ -34,6 +34,7 @@ from modelcast.corpora.merging import merged_catalogue
 from modelcast.corpora.packing import Packing, pack, packed_already
 from modelcast.corpora.sources import FoundSources, Source
 from modelcast.corpora.staging import Staged, Staging, samples_under_way, stage, staged_already
+from modelcast.io.failure import failure_reason
 
 __all__ = ["Watch", "ingest", "rows_under_way", "watch_nothing"]
 
@@ -82,7 +83,7 @@ def ingest(
     ------
     ConfigError
         Where the folder is none of these, another ingest is writing into it, a source lies in it or it in
-        a source, or no source has a usable trip.
+        a source, no source has a usable trip, or a partition could not be written.
     """
     if partitions is not None and partitions < 1:
         raise ConfigError(f"there must be at least 1 partition, got {partitions}")
@@ -90,7 +91,7 @@ def ingest(
     _require_apart(found.sources, folder, shown=str(out))
     plan = _plan(found, thresholds_m=thresholds_m)
     with claimed(folder, plan, shown=str(out)), executor.start() as crew:
-        crew.require_shared([folder, *(Path(one.path).resolve().parent for one in found.sources[:1])])
+        crew.require_shared([folder, *sorted({one.place.resolve().parent for one in found.sources})])
         staging = folder / STAGING
         judged = None if thresholds_m is None else tuple(thresholds_m)
         works = [Staging(replace(one, path=_absolute(one.path)), staging, judged) for one in found.sources]
@@ -167,16 +168,23 @@ def _staged(works: Sequence[Staging], crew: AbstractCrew, watch: Watch) -> tuple
 
 
 def _lost(work: Staging, failed: Failed) -> Staged:
-    """Return what becomes of a source whose worker was lost; a folder that cannot be written ends it all."""
-    if not isinstance(failed.error, LostWorkerError):
+    """Return what becomes of a source that its worker could not hold; anything else ends it all."""
+    if not isinstance(failed.error, (LostWorkerError, MemoryError)):
         raise failed.error
-    return Staged(work.source.state, failure=str(failed.error))
+    reason = failure_reason(failed.error, memory_bytes=work.source.memory_bytes)
+    return Staged(work.source.state, failure=reason)
 
 
 def _packed(
     folder: Path, catalogue: Any, key: str, crew: AbstractCrew, watch: Watch
 ) -> tuple[Partition, ...]:
-    """Write the merged catalogue and the partitions, and return these by name."""
+    """Write the merged catalogue and the partitions, and return these by name.
+
+    Raises
+    ------
+    ConfigError
+        Where a partition could not be written; the others are, and are kept for the next run.
+    """
     merged = folder / STAGING / _MERGED
     names = list(dict.fromkeys(catalogue["partition"].to_pylist()))
     write_grouped(merged, catalogue)
@@ -185,12 +193,24 @@ def _packed(
     waiting = [work for work in works if work.name not in packed]
     rows, samples = sum(one.rows for one in packed.values()), sum(catalogue["samples"].to_pylist())
     watch("packing", rows, samples, rows)
+    lost: dict[str, str] = {}
     for work, done in crew.as_done(pack, waiting):
         if isinstance(done, Failed):
-            raise done.error
+            lost[work.name] = _why_lost(done)
+            continue
         packed[work.name] = done
         rows += done.rows
         watch("packing", rows, samples, rows)
+    if lost:
+        reasons = [f"partition {name}: {reason}" for name, reason in sorted(lost.items())]
+        raise ConfigError("; ".join(reasons[:_SHOWN]) + "; what is done is kept")
     for stale in set((folder / ROWS_FOLDER).iterdir()) - {partition_folder(folder, name) for name in names}:
         shutil.rmtree(stale, ignore_errors=True)
     return tuple(packed[name] for name in names)
+
+
+def _why_lost(failed: Failed) -> str:
+    """Why a partition could not be written, and what can be done."""
+    if isinstance(failed.error, (LostWorkerError, MemoryError)):
+        return f"{failed.reason}: run again with more --memory or fewer --jobs"
+    return failed.reason

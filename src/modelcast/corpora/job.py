@@ -15,7 +15,7 @@ from typing import ClassVar, TypeVar
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.json_text import parse_json
 from modelcast.core.rules import Table, Text, check
-from modelcast.corpora.executors.base import Failed
+from modelcast.corpora.executors.base import Failed, LostWorkerError
 from modelcast.io.documents import document_text
 from modelcast.trips.trajectory import Trajectory
 
@@ -75,10 +75,18 @@ class TripFailures:
             Trips; what raises while they are read is raised here too.
         work
             Of one trip.
+
+        Raises
+        ------
+        MemoryError, LostWorkerError
+            As the function does: they are faults of the place and not of the trip, so the whole partition is
+            to be tried again.
         """
         for trip in trips:
             try:
                 found = work(trip)
+            except (MemoryError, LostWorkerError):
+                raise
             except Exception as error:  # noqa: BLE001 - whatever it is, it costs this trip alone
                 self.reasons[trip.trip_id] = Failed(error).reason
             else:

@@ -19,7 +19,7 @@ from modelcast.corpora.layout import ROWS_FOLDER, Partition, partition_folder
 from modelcast.corpora.merging import BATCH, STAGED
 from modelcast.corpora.partition_rows import write_rows
 from modelcast.corpora.staging import source_folder, staged_samples
-from modelcast.io.output import atomic_file
+from modelcast.io.output import atomic_file, lasting_rename
 from modelcast.io.partial import clean_leftovers, partial_folder
 
 __all__ = ["Packing", "pack", "packed_already"]
@@ -101,7 +101,7 @@ def pack(work: Packing) -> Partition:
                 digest.update(json.dumps(row, sort_keys=True).encode())
         if target.exists():
             shutil.rmtree(target)
-        folder.rename(target)
+        lasting_rename(folder, target)
     packed = Partition(
         work.name,
         tuple(f"{ROWS_FOLDER}/{target.name}/{name}" for name in names),

@@ -16,8 +16,9 @@ from modelcast.io.skipped import free_name
 
 __all__ = ["FoundSources", "Source", "find_sources"]
 
-_HELD_SHARE, _LEAST_HELD_BYTES = 5, 8 * 2**20
-"""Share of a process' memory that rows being gathered may take: libraries, text and a trip take the rest."""
+_LIBRARIES_BYTES, _HELD_SHARE, _LEAST_HELD_BYTES = 350 * 2**20, 8, 8 * 2**20
+"""What a process takes before it reads; share of the rest that rows being gathered may take. Text, and what
+is made of a trip's rows, take the other shares."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +39,8 @@ class Source:
         Trips whose identifier matches this shell pattern are taken.
     rate_hz
         Rate at which they are read; None for as recorded.
+    memory_bytes
+        What the process that reads it may take; None where only the machine bounds it.
     """
 
     number: int
@@ -46,12 +49,18 @@ class Source:
     reader: AbstractTripReader
     pattern: str
     rate_hz: float | None = None
+    memory_bytes: int | None = None
+
+    @property
+    def place(self) -> Path:
+        """The file or folder on disk; of a member its archive."""
+        member = member_of(self.path)
+        return Path(self.path if member is None else member.archive)
 
     @property
     def state(self) -> list[int]:
         """Number of its files, their octets together, and when the last was changed [ns]."""
-        member = member_of(self.path)
-        at = Path(self.path if member is None else member.archive)
+        at = self.place
         files = [file for file in at.rglob("*") if file.is_file()] if at.is_dir() else [at]
         found = [file.stat() for file in files]
         return [
@@ -138,5 +147,5 @@ def find_sources(
         labels[label] = recording.path
         reader = recording.reader
         if memory_bytes is not None:
-            reader = reader.within(max(memory_bytes // _HELD_SHARE, _LEAST_HELD_BYTES))
-        sources.append(Source(len(sources), label, recording.path, reader, pattern, rate_hz))
+            reader = reader.within(max((memory_bytes - _LIBRARIES_BYTES) // _HELD_SHARE, _LEAST_HELD_BYTES))
+        sources.append(Source(len(sources), label, recording.path, reader, pattern, rate_hz, memory_bytes))

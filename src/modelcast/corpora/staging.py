@@ -18,6 +18,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -29,12 +30,13 @@ from modelcast.core.printable import printable
 from modelcast.corpora.catalogue import CATALOGUE, SAMPLED, catalogue_row
 from modelcast.corpora.partition_rows import SAMPLES
 from modelcast.corpora.sources import Source
-from modelcast.io.base import OnSkipped
+from modelcast.io.base import NoUsableRow, OnSkipped
 from modelcast.io.failure import failure_reason
+from modelcast.io.output import lasting_rename
 from modelcast.io.partial import clean_leftovers, partial_folder
 from modelcast.io.reading_rate import read_at
 from modelcast.io.recordings import Recording
-from modelcast.io.skipped import free_name
+from modelcast.io.skipped import merge_skipped
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = [
@@ -88,7 +90,10 @@ class Staged:
     trips, rows, samples
         Numbers of trips, of rows read for them, and of samples.
     skipped
-        Vehicles that gave no trip, with the reason.
+        Vehicles that gave no trip, with the reason, in order of name: that of reading depends on how much
+        memory there is.
+    skipped_rows
+        How many rows those of them had, where that is known.
     failure
         Why it gave nothing; empty where it was read to its end.
     """
@@ -98,6 +103,7 @@ class Staged:
     rows: int = 0
     samples: int = 0
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
+    skipped_rows: Mapping[str, int] = field(default_factory=dict[str, int])
     failure: str = ""
 
 
@@ -132,6 +138,8 @@ def source_folder(folder: Path, number: int) -> Path:
 def staged_already(work: Staging) -> Staged | None:
     """Return what an earlier run made of a source, None where that is to be done (again).
 
+    A source that failed is read again: there may be more memory, or another library, now.
+
     Parameters
     ----------
     work
@@ -142,7 +150,7 @@ def staged_already(work: Staging) -> Staged | None:
         changed = found.state != work.source.state
     except (OSError, ValueError, TypeError):
         return None
-    return None if changed else found
+    return None if changed or found.failure else found
 
 
 def stage(work: Staging) -> Staged:
@@ -165,7 +173,7 @@ def stage(work: Staging) -> Staged:
         (folder / _DONE).write_text(json.dumps(asdict(staged)), encoding="utf-8")
         if work.place.exists():
             _remove(work.place)
-        folder.rename(work.place)
+        lasting_rename(folder, work.place)
     return staged
 
 
@@ -210,16 +218,18 @@ def _trips(source: Source, on_skipped: OnSkipped) -> Iterator[Trajectory]:
             if trip is not None and fnmatch.fnmatch(trip.trip_id, source.pattern):
                 yield trip
     except (Exception, SystemExit) as error:
-        raise _UnreadableError(printable(failure_reason(error))) from error
+        reason = failure_reason(error, memory_bytes=source.memory_bytes)
+        raise _UnreadableError(printable(reason)) from error
 
 
 def _read(work: Staging, folder: Path, state: list[int]) -> Staged:
     """Write the trips of a source and return their counts."""
     source = work.source
-    skipped: dict[str, str] = {}
+    noted: list[tuple[str, str, int | None]] = []
 
     def note(what: str, reason: str) -> None:
-        skipped[free_name(skipped, printable(what))] = printable(reason)
+        lost = reason.rows if isinstance(reason, NoUsableRow) else None
+        noted.append((printable(what), printable(reason), lost))
 
     trips = rows = samples = 0
     held: list[dict[str, Any]] = []
@@ -236,7 +246,10 @@ def _read(work: Staging, folder: Path, state: list[int]) -> Staged:
                 catalogue.write_table(pa.Table.from_pylist(held, schema=CATALOGUE))
                 held.clear()
         catalogue.write_table(pa.Table.from_pylist(held, schema=CATALOGUE))
-    return Staged(state, trips, rows, samples, skipped)
+    noted.sort(key=itemgetter(0, 1))
+    skipped = merge_skipped({what: why} for what, why, _ in noted)
+    each = zip(skipped, noted, strict=True)
+    return Staged(state, trips, rows, samples, skipped, {name: lost for name, (*_, lost) in each if lost})
 
 
 def _batch(trip: Trajectory) -> Any:

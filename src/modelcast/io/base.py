@@ -8,12 +8,12 @@ reported to `on_skipped`, so that nothing disappears unseen.
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, Self, TypeAlias
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.trips.trajectory import Reading, Trajectory
 
-__all__ = ["AbstractTripReader", "OnSkipped", "Tally", "ignore_skipped"]
+__all__ = ["AbstractTripReader", "NoUsableRow", "OnSkipped", "Tally", "ignore_skipped"]
 
 OnSkipped: TypeAlias = Callable[[str, str], None]
 """Called with a vehicle (or file) that gave no trip, and the reason."""
@@ -22,6 +22,28 @@ OnSkipped: TypeAlias = Callable[[str, str], None]
 def ignore_skipped(what: str, reason: str) -> None:
     """Take note of nothing: what `read` uses where the caller does not ask."""
     del what, reason
+
+
+class NoUsableRow(str):
+    """The reason where all rows of a vehicle were left out; it knows how many these are.
+
+    Parameters
+    ----------
+    text
+        The reason.
+    rows
+        How many rows the vehicle had.
+    """
+
+    __slots__ = ("rows",)
+
+    rows: int
+
+    def __new__(cls, text: str, rows: int = 0) -> Self:
+        """Make one of its text and its number of rows; copies give the latter later."""
+        reason = super().__new__(cls, text)
+        reason.rows = rows
+        return reason
 
 
 class Tally:
@@ -82,10 +104,10 @@ class Tally:
             )
         return found
 
-    def why_empty(self) -> str:
+    def why_empty(self) -> NoUsableRow:
         """Return the reasons in words, for a vehicle of which nothing is left."""
         parts = [f"{count} {reason}" for reason, count in self._skipped.items()]
-        return "no usable row: " + (", ".join(parts) or "no rows")
+        return NoUsableRow("no usable row: " + (", ".join(parts) or "no rows"), self.left_out)
 
 
 class AbstractTripReader(ABC):

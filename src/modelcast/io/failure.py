@@ -5,13 +5,15 @@ from modelcast.core.exceptions import DataFormatError, ModelcastError
 __all__ = ["failure_reason"]
 
 
-def failure_reason(error: BaseException) -> str:
+def failure_reason(error: BaseException, *, memory_bytes: int | None = None) -> str:
     """Return why a file gave no trips, in words, without its name.
 
     Parameters
     ----------
     error
         What its reader raised.
+    memory_bytes
+        What the process might take; None where only the machine bounds it.
 
     Examples
     --------
@@ -23,6 +25,11 @@ def failure_reason(error: BaseException) -> str:
         return f"{place}{error.problem}. {error.remedy}".strip()
     if isinstance(error, ModelcastError):
         return str(error)
+    if isinstance(error, MemoryError) and memory_bytes is not None:
+        return (
+            f"takes more than the {memory_bytes / 2**20:,.0f} MiB that --memory gives a process "
+            "(MemoryError). Give more, take fewer --jobs, or split it."
+        )
     if isinstance(error, MemoryError):
         return "is too large for this machine's memory (MemoryError). Split it, or take a larger machine."
     return f"its reader failed with {type(error).__name__}: {error}. Please report this with the file."

@@ -19,7 +19,14 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.io.manifest import require_replaceable, write_manifest
 from modelcast.io.partial import clean_leftovers, old_sibling, partial_file, partial_folder
 
-__all__ = ["atomic_file", "atomic_folder", "output_folder", "require_apart", "require_writable"]
+__all__ = [
+    "atomic_file",
+    "atomic_folder",
+    "lasting_rename",
+    "output_folder",
+    "require_apart",
+    "require_writable",
+]
 
 _TAKEN = frozenset({errno.EEXIST, errno.ENOTEMPTY})
 
@@ -169,6 +176,21 @@ def output_folder(path: str | Path) -> Generator[Path]:
     except OSError as error:
         why = "it is a file" if folder.is_file() else error.strerror or error
         raise ConfigError(f"{path} cannot be written into: {why}: name another folder") from error
+
+
+def lasting_rename(partial: Path, target: Path) -> None:
+    """Rename a folder so that a crash of the machine leaves it whole, or not there at all.
+
+    Parameters
+    ----------
+    partial
+        A folder whose files are closed.
+    target
+        Its new name on the same file system, which is free.
+    """
+    _sync_tree(partial)
+    partial.rename(target)
+    _sync(target.parent)
 
 
 def require_writable(path: str | Path, *, shown: str | None = None) -> Path:

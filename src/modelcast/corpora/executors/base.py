@@ -38,8 +38,8 @@ class LostWorkerError(ModelcastError):
 
     def __init__(self, tries: int, how: str) -> None:
         super().__init__(
-            f"its worker was lost {tries} times, the last one {how}: most often the machine's memory is too "
-            "small for it"
+            f"its worker was lost {tries} times, the last one {how}: most often the machine's memory, or "
+            "--memory, is too small for it"
         )
         self.tries = tries
         self.how = how

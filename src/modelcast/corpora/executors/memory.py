@@ -4,7 +4,11 @@ import sys
 
 from modelcast.core.exceptions import ConfigError
 
-__all__ = ["LEAST_WORKER_BYTES", "limit_memory", "processes_within"]
+__all__ = ["LEAST_WORKER_BYTES", "LIMITED", "limit_memory", "processes_within"]
+
+LIMITED = {"ARROW_DEFAULT_MEMORY_POOL": "system"}
+"""Environment of a process that is to be bound: pyarrow's own allocator reserves a GiB before it needs any,
+and what is reserved counts."""
 
 LEAST_WORKER_BYTES = 600 * 2**20
 """A worker needs as much for the libraries alone; with less they fail where nobody can say why."""

@@ -4,8 +4,9 @@ The libraries look at these variables when they are imported: a process must hav
 """
 
 import os
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
+from types import MappingProxyType
 
 __all__ = ["ONE_THREAD", "one_thread_processes"]
 
@@ -23,10 +24,17 @@ where memory is bounded it may get no thread, and would try for ever."""
 
 
 @contextmanager
-def one_thread_processes() -> Generator[None]:
-    """Processes that are started in the block use one thread each."""
-    before = {name: os.environ.get(name) for name in ONE_THREAD}
-    os.environ.update(ONE_THREAD)
+def one_thread_processes(more: Mapping[str, str] = MappingProxyType({})) -> Generator[None]:
+    """Processes that are started in the block use one thread each.
+
+    Parameters
+    ----------
+    more
+        What else is in their environment.
+    """
+    wanted = {**ONE_THREAD, **more}
+    before = {name: os.environ.get(name) for name in wanted}
+    os.environ.update(wanted)
     try:
         yield
     finally:

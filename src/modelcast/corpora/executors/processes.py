@@ -20,7 +20,7 @@ from typing import Any, TypeVar, cast
 
 from modelcast.core.exceptions import ConfigError, ModelcastError
 from modelcast.corpora.executors.base import TRIES, AbstractCrew, AbstractExecutor, Failed, LostWorkerError
-from modelcast.corpora.executors.memory import limit_memory, processes_within
+from modelcast.corpora.executors.memory import LIMITED, limit_memory, processes_within
 from modelcast.corpora.executors.one_thread import one_thread_processes
 
 __all__ = ["ProcessCrew", "ProcessExecutor"]
@@ -176,7 +176,7 @@ class _Worker:
     def __init__(self, memory_bytes: int | None) -> None:
         self.pipe, theirs = _SPAWN.Pipe()
         self._process = _SPAWN.Process(target=_serve, args=(theirs, memory_bytes), daemon=True)
-        with one_thread_processes():
+        with one_thread_processes({} if memory_bytes is None else LIMITED):
             self._process.start()
         theirs.close()
 
