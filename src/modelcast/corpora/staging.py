@@ -31,10 +31,10 @@ from modelcast.corpora.partition_rows import SAMPLES
 from modelcast.corpora.sources import Source
 from modelcast.io.base import OnSkipped
 from modelcast.io.failure import failure_reason
+from modelcast.io.free_names import free_name
 from modelcast.io.partial import clean_leftovers, partial_folder
 from modelcast.io.reading_rate import read_at
 from modelcast.io.recordings import Recording
-from modelcast.io.skipped import free_name
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = [
