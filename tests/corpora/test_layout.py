@@ -183,3 +183,18 @@ def test_files_and_row_groups_stay_within_their_bounds(tmp_path: Path):
     assert len(names) > 1
     assert len(rows_of["made/000"]) == 3
     assert all(len(places) == 1 for trip, places in rows_of.items() if trip != "made/000")
+
+
+def test_a_long_name_of_many_rows_is_written_as_text(tmp_path: Path):
+    """5,000 octets for every one of 600,000 rows are more than a column of text holds."""
+    rows, name = 600_000, "n" * 5000
+    ((row, _),) = made_trips([1])
+    samples = pa.record_batch([pa.array(np.zeros(rows))] * len(SAMPLED), schema=SAMPLES)
+    (file,) = write_rows(
+        tmp_path, [({**row, "trip": name}, samples), ({**row, "trip": "short"}, samples[:9])]
+    )
+    with pq.ParquetFile(tmp_path / file) as written:
+        assert written.metadata.num_rows == rows + 9
+        assert written.schema_arrow.field("trip").type == pa.string()
+        last = written.read_row_group(written.num_row_groups - 1, columns=["trip"])["trip"]
+        assert last.slice(len(last) - 9).to_pylist() == ["short"] * 9

@@ -112,6 +112,13 @@ def test_a_file_of_too_many_trips_is_refused(monkeypatch):
         list(gathered(Listed("abcd", [1, 2]), 60))
 
 
+@pytest.mark.parametrize("held", [1_000_000, 60])
+def test_a_name_that_is_too_long_is_refused(monkeypatch, held):
+    monkeypatch.setattr(gathering, "MOST_NAME_BYTES", len("listed/a"))
+    with pytest.raises(DataFormatError, match=r"a trip has over 8 octets: listed/ä\.\.\."):
+        list(gathered(Listed("abaä", [1, 2]), held))
+
+
 def test_a_file_without_rows_is_refused():
     with pytest.raises(DataFormatError, match="no rows"):
         list(gathered(Listed("", [])))
