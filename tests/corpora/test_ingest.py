@@ -173,6 +173,19 @@ def test_a_name_with_a_number_is_no_name_of_another_trip(tmp_path: Path):
     assert [trip.trip_id for trip in TripSource(paths)] == found
 
 
+def test_a_table_that_names_vehicles_tells_them_and_one_of_whole_identifiers_does_not(tmp_path: Path):
+    named: dict[str, str] = {}
+    for column in ("vehicle", "trip", "other"):
+        file = tmp_path / f"{column}.csv"
+        file.write_text(
+            f"t_s,east_m,north_m,{column}\n" + "".join(f"{at / 10},{at},0,7\n" for at in range(30))
+        )
+        named |= {trip.trip_id: trip.vehicle for trip in read_trips(file)}
+    assert named == {"vehicle/7": "7", "7": "", "other/vehicle": ""}
+    corpus = ingest(find_sources([tmp_path / "vehicle.csv"]), tmp_path / "c").corpus
+    assert corpus.catalogue(corpus.partitions[0])["vehicle"].to_pylist() == ["7"]
+
+
 def test_only_trips_of_the_pattern_are_taken(sources: Sources, tmp_path: Path):
     made = ingest(find_sources(good(sources()), pattern="*/10103-*"), tmp_path / "c")
     assert made.trips == 3

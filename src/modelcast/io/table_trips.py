@@ -126,7 +126,7 @@ def table_trips(
         trip = _trip(
             table.path, source, trip_id, found.rows, tally,
             count=len(found.rows) + int(found.partial), time=table.time,
-            shared_origin=rows.origin, one_clock=rows.one_clock,
+            shared_origin=rows.origin, one_clock=rows.one_clock, vehicle=rows.vehicle(found.key),
         )  # fmt: skip
         if trip is None:
             on_skipped(trip_id, tally.why_empty())
@@ -162,6 +162,11 @@ class _TableRows(AbstractKeyedRows[str]):
         """The label where it is a complete identifier, else ``<stem>/<label>``."""
         found = self._table.found
         return key if found.whole_id and found.label is not None else f"{recording_stem(self.path)}/{key}"
+
+    def vehicle(self, key: str) -> str:
+        """The label where it names a vehicle, whose trips may be in several files; else nothing."""
+        found = self._table.found
+        return "" if found.whole_id or found.label is None else key
 
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[str]]:
         """Yield the table's parts."""
@@ -218,7 +223,7 @@ class _TableRows(AbstractKeyedRows[str]):
 
 def _trip(
     path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int, time: TimeUnit,
-    shared_origin: Origin | None, one_clock: bool,
+    shared_origin: Origin | None, one_clock: bool, vehicle: str,
 ) -> Trajectory | None:  # fmt: skip
     """Return one vehicle's trip, or None where no row is usable."""
     columns = rows.columns
@@ -257,6 +262,7 @@ def _trip(
         origin=origin,
         unix_offset_s=unix + (start + time.start) * time.unit_s if np.isfinite(unix) else None,
         clock_offset_s=(start + time.start) * time.unit_s if one_clock else None,
+        vehicle=vehicle,
     )
 
 
