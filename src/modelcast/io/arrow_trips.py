@@ -55,6 +55,8 @@ class ArrowTable(AbstractTable):
         As for `modelcast.io.column_map.known_map`; where a column that is needed holds no numbers.
     """
 
+    counts_rows = True
+
     def __init__(
         self,
         path: str,

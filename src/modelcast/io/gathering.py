@@ -84,6 +84,11 @@ class AbstractKeyedRows(ABC, Generic[Key]):
     def rows_expected(self) -> int | None:
         """About how many rows it has, None where only reading tells."""
 
+    @property
+    def only(self) -> Key | None:
+        """The key of all rows, where that and their exact number are known before any is read; else None."""
+        return None
+
     @abstractmethod
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[Key]]:
         """Yield all of it in blocks of bounded size.
@@ -169,6 +174,8 @@ def gathered(file: AbstractKeyedRows[Key], held_bytes: int = HELD_BYTES) -> Iter
     """
     expected = file.rows_expected
     whole = None
+    if expected is not None and file.only is not None and expected * _row_bytes(file) > held_bytes:
+        raise _too_long(file, file.only, held_bytes)
     if expected is None or expected * _row_bytes(file) <= held_bytes:
         whole = _in_one_pass(file, held_bytes)
     if whole is not None:
@@ -272,9 +279,7 @@ def _extents(file: AbstractKeyedRows[Key], held_bytes: int) -> _Extents[Key]:
                 _require_short_name(file, key)
             at = found.add(key, block.index, rows)
             if found.rows[at] * row_bytes > held_bytes:
-                raise too_long(
-                    file.path, file.called(key), row_bytes=row_bytes, held_bytes=held_bytes, remedy=_REMEDY
-                )
+                raise _too_long(file, key, held_bytes)
         if len(found.first) > MOST_TRIPS:
             raise DataFormatError(
                 file.path,
@@ -287,6 +292,12 @@ def _extents(file: AbstractKeyedRows[Key], held_bytes: int) -> _Extents[Key]:
     if not found.place and file.needs_rows:
         raise _no_rows(file)
     return found
+
+
+def _too_long(file: AbstractKeyedRows[Key], key: Key, held_bytes: int) -> DataFormatError:
+    return too_long(
+        file.path, file.called(key), row_bytes=_row_bytes(file), held_bytes=held_bytes, remedy=_REMEDY
+    )
 
 
 def _require_short_name(file: AbstractKeyedRows[Key], key: Key) -> None:

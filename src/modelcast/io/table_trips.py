@@ -9,6 +9,7 @@ with such a position are skipped and counted; such values of other columns are m
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import polars as pl
@@ -73,6 +74,9 @@ class AbstractTable(ABC):
     found
         What its columns mean.
     """
+
+    counts_rows: ClassVar[bool] = False
+    """Whether `rows_expected` is exact."""
 
     def __init__(self, path: str, found: ColumnMap) -> None:
         self.path = path
@@ -157,6 +161,11 @@ class _TableRows(AbstractKeyedRows[str]):
     def rows_expected(self) -> int | None:
         """As the table says."""
         return self._table.rows_expected
+
+    @property
+    def only(self) -> str | None:
+        """The one trip of a table that names none and counts its rows."""
+        return _ONLY if self._table.counts_rows and self._table.found.label is None else None
 
     def called(self, key: str) -> str:
         """The label where it is a complete identifier, else ``<stem>/<label>``."""
