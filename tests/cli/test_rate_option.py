@@ -43,7 +43,7 @@ def test_trips_tells_what_was_taken(drives: Path, capsys: pytest.CaptureFixture[
 @pytest.mark.parametrize("rate", ["0", "-1", "nan", "inf"])
 def test_a_rate_that_is_none_is_refused(drives: Path, rate: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["trips", str(drives), "--rate", rate]) == 2
-    assert "--rate must lie within 0 and 1e+06 Hz" in capsys.readouterr().err
+    assert "--rate must be above 0 and at most 1,000,000 Hz" in capsys.readouterr().err
 
 
 def test_a_run_record_keeps_the_rate_and_older_ones_have_none(drives: Path, tmp_path: Path) -> None:

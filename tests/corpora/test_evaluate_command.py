@@ -42,7 +42,7 @@ def done(corpus: Path) -> Path:
 
 
 def unfinished_folder(out: Path) -> Path:
-    return out.with_name(f".{out.name}.parts")
+    return out.with_name(f"{out.name}.unfinished")
 
 
 def test_a_corpus_gives_the_files_of_an_evaluation_and_its_parts(
@@ -101,3 +101,13 @@ def test_what_is_for_a_corpus_is_refused_for_files(
     path = str(corpus.parent / "drive.parquet")
     assert run(["evaluate", path, "--out", str(tmp_path / "out"), *option]) == 2
     assert "corpus" in capsys.readouterr().err
+
+
+def test_a_run_of_which_nothing_is_done_leaves_nothing(corpus: Path, tmp_path: Path) -> None:
+    """Another command may then have the same output folder."""
+    damaged = tmp_path / "damaged"
+    shutil.copytree(corpus, damaged)
+    for path in (damaged / "rows").rglob("*.parquet"):
+        path.write_bytes(b"PAR1 no more")
+    assert evaluated(damaged, tmp_path / "out") != 0
+    assert not unfinished_folder(tmp_path / "out").exists()

@@ -11,6 +11,7 @@ import pytest
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.executors.base import TRIES, AbstractCrew, AbstractExecutor, Failed, LostWorkerError
 from modelcast.corpora.executors.here import HereExecutor
+from modelcast.corpora.executors.memory import LEAST_WORKER_BYTES
 from modelcast.corpora.executors.processes import ProcessCrew, ProcessExecutor
 from worker_tasks import die_at, doubled, fail_at, pid, raise_unpicklable, threads
 
@@ -124,7 +125,15 @@ def test_processes_are_other_processes_and_end_with_the_block() -> None:
             os.kill(one, 0)
 
 
-@pytest.mark.parametrize(("jobs", "memory_bytes"), [(-1, None), (1, 0)])
+@pytest.mark.parametrize(
+    ("jobs", "memory_bytes"),
+    [(-1, None), (1, 0), (0, LEAST_WORKER_BYTES - 1), (2, 2 * LEAST_WORKER_BYTES - 1)],
+)
 def test_no_processes_and_no_memory_are_refused(jobs: int, memory_bytes: int | None) -> None:
     with pytest.raises(ConfigError, match=r"--jobs|--memory"):
         ProcessExecutor(jobs, memory_bytes)
+
+
+def test_where_jobs_are_left_open_they_are_no_more_than_the_memory_is_for() -> None:
+    assert ProcessExecutor(0, LEAST_WORKER_BYTES).count == 1
+    assert ProcessExecutor(2, 2 * LEAST_WORKER_BYTES).worker_bytes == LEAST_WORKER_BYTES

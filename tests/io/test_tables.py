@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.core.geodesy import Origin
+from modelcast.io.column_map import example_map
 from modelcast.io.trips import read_trips
 from modelcast.io.write_trips import write_csv, write_parquet
 from modelcast.trips.trajectory import build_trajectory
@@ -423,3 +424,24 @@ def test_names_that_state_feet_and_knots_are_found(made):
     (trip,) = read_trips(made.write("a.csv", text))
     np.testing.assert_allclose(trip.speed_mps, 18520 / 3600)
     np.testing.assert_allclose(np.diff(trip.position_m[:, 0]), 3.048)
+
+
+def test_a_position_has_one_unit(made):
+    path = made.write("feet.csv", "t,a,b\n0,0,0\n1,10,0\n2,20,0\n")
+    with pytest.raises(DataFormatError, match="columns a and b give east and north in different units"):
+        list(read_trips(path, "csv", columns={"t": "t", "east_ft": "a", "north": "b"}))
+    path = made.write("found.csv", "t,east_ft,north\n0,0,0\n1,10,0\n2,20,0\n")
+    with pytest.raises(DataFormatError, match="in different units"):
+        list(read_trips(path))
+
+
+def test_an_unknown_table_is_given_a_map_of_its_own_units():
+    said = example_map(["time", "x_feet", "y_feet", "v_mph"])
+    assert said == "--columns 't=time,east_ft=x_feet,north_ft=y_feet,speed_mph=v_mph'"
+    assert "east=x_feet" in example_map(["time", "x_feet", "y", "v"])
+
+
+def test_a_name_that_is_found_is_a_meaning_too(made):
+    path = made.write("knots.csv", "t,a,b,v\n0,0,0,10\n1,5,0,10\n2,10,0,10\n")
+    (trip,) = read_trips(path, "csv", columns={"t": "t", "east": "a", "north": "b", "speed_knots": "v"})
+    np.testing.assert_allclose(trip.speed_mps, 10 * 1852 / 3600)

@@ -35,7 +35,8 @@ def compare(
     format
         Name of the files' format; found from their content where not given.
     columns
-        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
+        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'; other units
+        have meanings of their own, as east_ft, speed_kmh, speed_mph and speed_kn (docs/formats.md).
     trip
         Take only trips whose identifier matches this shell pattern.
     rate

@@ -28,7 +28,8 @@ def convert(
     format
         Name of the files' format; found from their content where not given.
     columns
-        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
+        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'; other units
+        have meanings of their own, as east_ft, speed_kmh, speed_mph and speed_kn (docs/formats.md).
     trip
         Take only trips whose identifier matches this shell pattern.
     rate
@@ -56,6 +57,6 @@ def convert(
         if source.trips == 0:
             raise ConfigError("; ".join(("no usable trip: nothing was written", *source.skipped_lines())))
     if not quiet:
-        say(f"{source.trips} trips written to {out}")
+        say(f"{source.trips} trip{'' if source.trips == 1 else 's'} written to {out}")
         source.tell_skipped()
     return source.exit_code

@@ -15,6 +15,7 @@ from modelcast.corpora.executors.base import AbstractExecutor
 from modelcast.corpora.executors.versions import worker_versions
 from modelcast.corpora.job import AbstractJob
 from modelcast.corpora.layout import Corpus, is_corpus, open_corpus
+from modelcast.corpora.parts import DONE_FILE, PARTS_FOLDER
 from modelcast.corpora.running import Outcome, Tally, claimed_results, run_job
 from modelcast.io.regular import sha256_of
 
@@ -44,7 +45,7 @@ def corpus_parts(
     """Do a job with every partition and yield what was found; no other run works on the output meanwhile.
 
     The parts are in ``NAME.unfinished`` beside the output folder ``NAME``. They go when the block ends well
-    and no partition has failed; else they wait for the next run.
+    and no partition has failed; else they wait for the next run. Where there is none nothing stays.
 
     Parameters
     ----------
@@ -63,17 +64,21 @@ def corpus_parts(
     target = out.resolve()
     results = target.with_name(f"{target.name}.unfinished")
     with claimed_results(results, job.name):
-        with rated(quiet=quiet) as show:
+        whole = False
+        try:
+            with rated(quiet=quiet) as show:
 
-            def watch(tally: Tally) -> None:
-                show("partitions", tally.done, tally.partitions, tally.rows)
+                def watch(tally: Tally) -> None:
+                    show("partitions", tally.done, tally.partitions, tally.rows)
 
-            outcome = run_job(corpus, job, results, executor, watch=watch)
-        for name, reason in outcome.failures.items():
-            complain(f"partition {name} is left out: {reason}")
-        yield outcome
-        if not outcome.failures:
-            shutil.rmtree(results, ignore_errors=True)
+                outcome = run_job(corpus, job, results, executor, watch=watch)
+            for name, reason in outcome.failures.items():
+                complain(f"partition {name} is left out: {reason}")
+            yield outcome
+            whole = not outcome.failures
+        finally:
+            if whole or not any((results / PARTS_FOLDER).glob(f"*/{DONE_FILE}")):
+                shutil.rmtree(results, ignore_errors=True)
 
 
 def job_key(options: Mapping[str, Any], files: Iterable[Path], foreign: Mapping[str, str]) -> str:

@@ -92,7 +92,8 @@ def cruise(
     format
         Name of the format of the leader's file; found from its content where not given.
     columns
-        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
+        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'; other units
+        have meanings of their own, as east_ft, speed_kmh, speed_mph and speed_kn (docs/formats.md).
     trip
         Take the first trip of the leader's file whose identifier matches this shell pattern.
     json

@@ -41,7 +41,8 @@ def ingest(
     format
         Name of the files' format; found from their content where not given.
     columns
-        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'.
+        Column names for csv and parquet, by meaning: 't=time,east=x,north=y,speed=v'; other units
+        have meanings of their own, as east_ft, speed_kmh, speed_mph and speed_kn (docs/formats.md).
     trip
         Take only trips whose identifier matches this shell pattern.
     rate
@@ -109,7 +110,8 @@ def _tell(made: "Ingested", out: Path) -> None:
 
     count = len(made.corpus.partitions)
     parts = "1 partition" if count == 1 else f"{count} partitions"
-    say(f"{made.trips:,} trips, {made.samples:,} samples of {made.rows:,} rows in {parts} written to {out}")
+    trips = "1 trip" if made.trips == 1 else f"{made.trips:,} trips"
+    say(f"{trips}, {made.samples:,} samples of {made.rows:,} rows in {parts} written to {out}")
     for kind, counts in (("skipped", made.skipped_rows), ("repaired", made.repaired_rows)):
         if counts:
             say(f"{kind}: " + ", ".join(f"{rows:,} {reason}" for reason, rows in counts.items()))

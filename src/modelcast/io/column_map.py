@@ -99,16 +99,19 @@ _LIKELY: Mapping[str, str] = {
     "t": r"time|stamp|date|^t\b|^sec|clock|utc",
     "lat": r"lat",
     "lon": r"lon|lng",
+    "east_ft": r"(east|^x|_x\b).*(ft|feet)",
+    "north_ft": r"(north|^y(?!aw)|_y\b).*(ft|feet)",
     "east": r"east|^x|[^a-z]x\b|_x\b|^e\d*$|pos_?x",
     "north": r"north|^y(?!aw)|[^a-z]y\b|_y\b|^n\d*$|pos_?y",
-    "speed_kmh": r"(speed|vel).*(km/?h|kph)",
-    "speed_mph": r"(speed|vel).*(mph|mi/?h|miles)",
-    "speed_kn": r"(speed|vel).*(knot|kn\b|kts?\b)",
-    "speed_ftps": r"(speed|vel).*(ft|feet)",
+    "speed_kmh": r"(speed|vel|^v\d*_).*(km/?h|kph)",
+    "speed_mph": r"(speed|vel|^v\d*_).*(mph|mi/?h|miles)",
+    "speed_kn": r"(speed|vel|^v\d*_).*(knot|kn\b|kts?\b)",
+    "speed_ftps": r"(speed|vel|^v\d*_).*(ft|feet)",
     "speed": r"speed|veloc|^v\b|^v_?(mps|ms)?$",
 }
 """What a column may mean, by its name in lower case: for examples only, never for reading."""
 
+_PAIRS = (("lat", "lon"), ("east_ft", "north_ft"), ("east", "north"))
 _LOCAL = ("east_m", "north_m")
 _GEODETIC = ("latitude_deg", "longitude_deg")
 
@@ -159,7 +162,8 @@ def known_map(
     Raises
     ------
     ConfigError, DataFormatError
-        As `user_map`; where the names say too little; where a column that is needed occurs twice.
+        As `user_map`; where the names say too little; where a column that is needed occurs twice; where the
+        two of a position have different units.
     """
     found = user_map(path, columns, names) if columns else detected_map(names)
     if found is None:
@@ -168,6 +172,14 @@ def known_map(
             f"no known names of time and position among the columns {', '.join(names)}",
             row=row,
             remedy=f"Give a column map, for example {example_map(names)}.",
+        )
+    if not found.geodetic and len({found.numbers[name][1] for name in _LOCAL}) > 1:
+        both = " and ".join(found.numbers[name][0] for name in _LOCAL)
+        raise DataFormatError(
+            path,
+            f"columns {both} give east and north in different units",
+            row=row,
+            remedy="Map both in one: east with north, or east_ft with north_ft.",
         )
     used = [name for name, _ in found.numbers.values()] + ([found.label] if found.label else [])
     twice = next((name for name in used if list(names).count(name) > 1), None)
@@ -201,8 +213,8 @@ def example_map(names: Sequence[str]) -> str:
             guess[meaning] = name
             free.remove(name)
     time = next((meaning for meaning in guess if MEANINGS[meaning].fills == "t_s"), "t")
-    pair = ("lat", "lon") if {"lat", "lon"} <= guess.keys() else ("east", "north")
-    free += [name for meaning, name in guess.items() if meaning in {"lat", "lon", "east", "north"} - {*pair}]
+    pair = next((pair for pair in _PAIRS if {*pair} <= guess.keys()), _PAIRS[-1])
+    free += [name for meaning, name in guess.items() if meaning in {*sum(_PAIRS, ())} - {*pair}]
     speed = [meaning for meaning in guess if MEANINGS[meaning].fills == "speed_mps"]
     wanted = [time, *pair]
     parts = [
@@ -241,9 +253,9 @@ def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> C
         Where the table has no such column.
     """
     chosen: dict[str, str] = {}
-    by_default_name = {entry.names[0]: meaning for meaning, entry in MEANINGS.items()}
+    by_found_name = {name: meaning for meaning, entry in MEANINGS.items() for name in entry.names}
     for word, name in columns.items():
-        meaning = by_default_name.get(word, word)
+        meaning = word if word in MEANINGS else by_found_name.get(word, word)
         if meaning not in MEANINGS:
             hint = f" Say {word}_rad or {word}_deg." if word == "heading" else ""
             hint = " Say yaw_rate_radps or yaw_rate_degps." if word == "yaw_rate" else hint

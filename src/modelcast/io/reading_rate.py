@@ -25,7 +25,7 @@ def require_rate(rate_hz: float | None) -> None:
         Where it is neither.
     """
     if rate_hz is not None and not 0.0 < rate_hz <= MOST_HZ:
-        raise ConfigError(f"--rate must lie within 0 and {MOST_HZ:g} Hz, got {rate_hz:g}")
+        raise ConfigError(f"--rate must be above 0 and at most {MOST_HZ:,.0f} Hz, got {rate_hz:g}")
 
 
 def read_at(trip: Trajectory, rate_hz: float | None, on_skipped: OnSkipped) -> Trajectory | None:

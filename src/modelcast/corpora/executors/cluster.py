@@ -25,6 +25,7 @@ from typing import Any, TypeVar, cast
 
 from modelcast.core.exceptions import ConfigError, MissingExtraError
 from modelcast.corpora.executors.base import TRIES, AbstractCrew, AbstractExecutor, Failed, LostWorkerError
+from modelcast.corpora.executors.memory import processes_within
 from modelcast.corpora.executors.one_thread import ONE_THREAD
 from modelcast.corpora.executors.versions import PACKAGES, difference, own_versions, worker_versions
 
@@ -74,7 +75,8 @@ class ClusterExecutor(AbstractExecutor):
     Raises
     ------
     ConfigError
-        Where the address is none, or a bound is given for workers that others started.
+        Where the address is none, the memory is not enough for so many, or a bound is given for workers that
+        others started.
     """
 
     address: str
@@ -91,6 +93,8 @@ class ClusterExecutor(AbstractExecutor):
                 "--memory bounds workers of this machine alone: those of a cluster are started with dask's "
                 "own --memory-limit"
             )
+        if self.memory_bytes is not None:
+            processes_within(self.memory_bytes, self._local)
 
     @property
     def _local(self) -> int:

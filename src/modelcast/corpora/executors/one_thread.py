@@ -16,8 +16,10 @@ ONE_THREAD = {
     "MKL_NUM_THREADS": "1",
     "POLARS_MAX_THREADS": "1",
     "RAYON_NUM_THREADS": "1",
+    "_RJEM_MALLOC_CONF": "background_thread:false",
 }
-"""Environment of a worker; pyarrow looks at OMP_NUM_THREADS too."""
+"""Environment of a worker; pyarrow looks at OMP_NUM_THREADS too. The last is for the allocator of Polars:
+where memory is bounded it may get no thread, and would try for ever."""
 
 
 @contextmanager

@@ -20,7 +20,7 @@ from typing import Any, TypeVar, cast
 
 from modelcast.core.exceptions import ConfigError, ModelcastError
 from modelcast.corpora.executors.base import TRIES, AbstractCrew, AbstractExecutor, Failed, LostWorkerError
-from modelcast.corpora.executors.memory import limit_memory
+from modelcast.corpora.executors.memory import limit_memory, processes_within
 from modelcast.corpora.executors.one_thread import one_thread_processes
 
 __all__ = ["ProcessCrew", "ProcessExecutor"]
@@ -38,14 +38,14 @@ class ProcessExecutor(AbstractExecutor):
     Parameters
     ----------
     jobs
-        How many; 0 for one a processor.
+        How many; 0 for one a processor, or fewer where the memory is for fewer.
     memory_bytes
         What all of them together may take, shared out evenly; None for no bound.
 
     Raises
     ------
     ConfigError
-        Where the number is negative, or the memory is none.
+        Where the number is negative, or the memory is not enough for that many.
     """
 
     jobs: int = 0
@@ -54,13 +54,16 @@ class ProcessExecutor(AbstractExecutor):
     def __post_init__(self) -> None:
         if self.jobs < 0:
             raise ConfigError(f"--jobs must be 0 (one a processor) or more, got {self.jobs}")
-        if self.memory_bytes is not None and self.memory_bytes < 1:
-            raise ConfigError(f"--memory must be at least 1 octet, got {self.memory_bytes}")
+        if self.memory_bytes is not None:
+            processes_within(self.memory_bytes, self.jobs)
 
     @property
     def count(self) -> int:
         """How many processes are meant."""
-        return self.jobs or os.cpu_count() or 1
+        open_to = os.cpu_count() or 1
+        if self.memory_bytes is not None:
+            open_to = min(open_to, processes_within(self.memory_bytes, self.jobs))
+        return self.jobs or open_to
 
     @property
     def worker_bytes(self) -> int | None:
