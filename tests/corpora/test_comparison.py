@@ -14,6 +14,7 @@ import pytest
 import modelcast
 from modelcast.cli.app import INTERRUPTED, USAGE, run
 from modelcast.cli.reading import PARTLY_FAILED
+from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.comparison import ComparisonJob, pool_comparison, why_not_shared
 from modelcast.corpora.executors.here import HereExecutor
 from modelcast.corpora.ingestion import ingest
@@ -63,6 +64,14 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[int], Corpus]:
         return known[partitions]
 
     return make
+
+
+def test_trips_of_one_name_are_refused(made: Callable[[int], Corpus], tmp_path: Path) -> None:
+    job = ComparisonJob(CANDIDATES, SETTINGS, asked="")
+    outcome = run_job(made(2), job, tmp_path / "results", HereExecutor())
+    twice = replace(outcome, parts=(*outcome.parts, outcome.parts[0]))
+    with pytest.raises(ConfigError, match=r"two trips of the corpus are called d/\d"):
+        pool_comparison(twice, job, failures={}, skipped={})
 
 
 @pytest.mark.parametrize("partitions", [1, 2, 5])

@@ -14,6 +14,7 @@ import polars as pl
 import pytest
 from filelock import FileLock
 
+from modelcast.cli.reading import TripSource
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora import ingestion
 from modelcast.corpora.claim import claimed
@@ -297,6 +298,33 @@ def test_trips_that_share_a_name_are_told_apart_in_order_of_the_sources(sources:
     corpus = ingest(find_sources(good(sources())), tmp_path / "c", partitions=3).corpus
     found = {trip.trip_id: trip.source for one in corpus.partitions for trip in corpus.trips(one)}
     assert (found["april/10100-1"], found["april/10100-1#2"]) == ("spmd-wsu", "parquet")
+
+
+def test_a_name_with_a_number_is_no_name_of_another_trip(tmp_path: Path):
+    """Recorders that number on themselves: ``d/a`` twice, and ``d/a#2``; every reading names them alike."""
+    paths = [tmp_path / one / "d.csv" for one in "123"]
+    for path, vehicle in zip(paths, ("a", "a#2", "a"), strict=True):
+        path.parent.mkdir()
+        rows = "".join(f"{at / 10},{at},0,{vehicle}\n" for at in range(30))
+        path.write_text(f"t_s,east_m,north_m,vehicle\n{rows}")
+    corpus = ingest(find_sources(paths), tmp_path / "c").corpus
+    found = [trip.trip_id for one in corpus.partitions for trip in corpus.trips(one)]
+    assert found == ["d/a", "d/a#2", "d/a#3"]
+    assert [trip.trip_id for trip in read_trips(paths)] == found
+    assert [trip.trip_id for trip in TripSource(paths)] == found
+
+
+def test_a_table_that_names_vehicles_tells_them_and_one_of_whole_identifiers_does_not(tmp_path: Path):
+    named: dict[str, str] = {}
+    for column in ("vehicle", "trip", "other"):
+        file = tmp_path / f"{column}.csv"
+        file.write_text(
+            f"t_s,east_m,north_m,{column}\n" + "".join(f"{at / 10},{at},0,7\n" for at in range(30))
+        )
+        named |= {trip.trip_id: trip.vehicle for trip in read_trips(file)}
+    assert named == {"vehicle/7": "7", "7": "", "other/vehicle": ""}
+    corpus = ingest(find_sources([tmp_path / "vehicle.csv"]), tmp_path / "c").corpus
+    assert corpus.catalogue(corpus.partitions[0])["vehicle"].to_pylist() == ["7"]
 
 
 def test_only_trips_of_the_pattern_are_taken(sources: Sources, tmp_path: Path):

@@ -51,6 +51,77 @@ def test_another_version_and_an_unfinished_one_are_refused(corpus: Corpus):
         open_corpus(corpus.path)
 
 
+def changed_document(corpus: Corpus, change: dict[str, Any]) -> None:
+    """Write another first partition into ``corpus.json``."""
+    path = corpus.path / "corpus.json"
+    document = json.loads(path.read_text())
+    document["partitions"][0] |= change
+    path.write_text(json.dumps(document))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"name": "../../../escaped"},
+        {"name": "0001"},
+        {"name": "0000/x"},
+        {"files": [1]},
+        {"files": []},
+        {"files": "rows/partition=0000/0000.parquet"},
+        {"files": ["rows/partition=0001/0000.parquet"]},
+        {"files": ["rows/partition=0000/../../x.parquet"]},
+        {"files": ["/etc/passwd"]},
+        {"rows": "x"},
+        {"rows": 1.5},
+        {"trips": True},
+        {"trips": -1},
+        {"digest": None},
+        {"other": 1},
+    ],
+    ids=str,
+)
+def test_a_list_of_partitions_that_no_ingest_writes_is_refused(corpus: Corpus, change: dict[str, Any]):
+    changed_document(corpus, change)
+    with pytest.raises(DataFormatError, match=r"corpus\.json: is damaged"):
+        open_corpus(corpus.path)
+
+
+@pytest.mark.parametrize("partitions", ["absent", None, [], {}, [1], [{}]], ids=str)
+def test_a_document_without_a_list_of_partitions_is_refused(corpus: Corpus, partitions: object):
+    path = corpus.path / "corpus.json"
+    document = json.loads(path.read_text())
+    del document["partitions"]
+    path.write_text(
+        json.dumps(document if partitions == "absent" else {**document, "partitions": partitions})
+    )
+    with pytest.raises(DataFormatError, match=r"corpus\.json: is damaged"):
+        open_corpus(corpus.path)
+
+
+def test_brackets_in_brackets_are_no_corpus(tmp_path: Path):
+    (tmp_path / "corpus.json").write_text("[" * 200_000)
+    assert not is_corpus(tmp_path)
+
+
+@pytest.mark.parametrize("column", ["clock_s", "samples", "skipped"])
+@pytest.mark.parametrize("retyped", [False, True])
+def test_a_catalogue_of_other_columns_is_named(corpus: Corpus, column: str, retyped: bool):
+    path = corpus.path / "catalogue.parquet"
+    table = pq.read_table(path)
+    at = table.schema.get_field_index(column)
+    words = pa.array(["x"] * table.num_rows)
+    pq.write_table(table.set_column(at, column, words) if retyped else table.drop_columns([column]), path)
+    with pytest.raises(DataFormatError, match=rf"catalogue\.parquet: has no column {column} of type"):
+        all_trips(corpus)
+
+
+def test_samples_without_a_column_are_named(corpus: Corpus):
+    path = corpus.path / corpus.partitions[0].files[0]
+    pq.write_table(pq.ParquetFile(path).read().drop_columns(["east_m"]), path)
+    with pytest.raises(DataFormatError, match=r"0000\.parquet: has no column east_m of type double"):
+        all_trips(corpus)
+
+
 def test_a_missing_file_is_told_when_it_is_opened(corpus: Corpus):
     (corpus.path / corpus.partitions[1].files[0]).unlink()
     with pytest.raises(DataFormatError, match=r"lacks its file rows/partition=0001/0000\.parquet"):
@@ -112,3 +183,18 @@ def test_files_and_row_groups_stay_within_their_bounds(tmp_path: Path):
     assert len(names) > 1
     assert len(rows_of["made/000"]) == 3
     assert all(len(places) == 1 for trip, places in rows_of.items() if trip != "made/000")
+
+
+def test_a_long_name_of_many_rows_is_written_as_text(tmp_path: Path):
+    """5,000 octets for every one of 600,000 rows are more than a column of text holds."""
+    rows, name = 600_000, "n" * 5000
+    ((row, _),) = made_trips([1])
+    samples = pa.record_batch([pa.array(np.zeros(rows))] * len(SAMPLED), schema=SAMPLES)
+    (file,) = write_rows(
+        tmp_path, [({**row, "trip": name}, samples), ({**row, "trip": "short"}, samples[:9])]
+    )
+    with pq.ParquetFile(tmp_path / file) as written:
+        assert written.metadata.num_rows == rows + 9
+        assert written.schema_arrow.field("trip").type == pa.string()
+        last = written.read_row_group(written.num_row_groups - 1, columns=["trip"])["trip"]
+        assert last.slice(len(last) - 9).to_pylist() == ["short"] * 9

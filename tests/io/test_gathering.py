@@ -112,6 +112,28 @@ def test_a_file_of_too_many_trips_is_refused(monkeypatch):
         list(gathered(Listed("abcd", [1, 2]), 60))
 
 
+class OfOneTrip(Listed):
+    """Rows that are known to be of one trip before they are read."""
+
+    only = "a"
+
+
+def test_one_trip_that_is_known_to_be_too_long_is_refused_before_it_is_read():
+    file = OfOneTrip("a" * 10, [5])
+    with pytest.raises(DataFormatError, match="the trip listed/a has over 9 rows"):
+        list(gathered(file, 9 * ROW_BYTES))
+    assert not file.passes
+    (trip,) = gathered(OfOneTrip("a" * 10, [5]), 10_000)
+    assert len(trip.rows) == 10
+
+
+@pytest.mark.parametrize("held", [1_000_000, 60])
+def test_a_name_that_is_too_long_is_refused(monkeypatch, held):
+    monkeypatch.setattr(gathering, "MOST_NAME_BYTES", len("listed/a"))
+    with pytest.raises(DataFormatError, match=r"a trip has over 8 octets: listed/ä\.\.\."):
+        list(gathered(Listed("abaä", [1, 2]), held))
+
+
 def test_a_file_without_rows_is_refused():
     with pytest.raises(DataFormatError, match="no rows"):
         list(gathered(Listed("", [])))

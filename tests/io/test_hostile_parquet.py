@@ -10,7 +10,9 @@ import pytest
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io import parquet_guard
+from modelcast.io.arrow_trips import ArrowTable
 from modelcast.io.registry import get_reader
+from modelcast.io.table_trips import table_trips
 
 _MOST_ADDRESSES = 6 * 2**30
 """Threads and allocators reserve about 2 GiB of addresses; ten million rows held would take 5 more."""
@@ -123,6 +125,15 @@ def test_vehicles_told_by_values_without_a_fixed_size_are_refused(tmp_path):
     pq.write_table(pa.table({**track(3), "vehicle": pa.array([["a"], ["b"], ["c"]])}), path)
     with pytest.raises(DataFormatError, match=r"'vehicle' holds list<.*>, not names"):
         read(path)
+
+
+def test_a_table_of_one_trip_that_is_too_long_is_refused_unread():
+    schema = pa.schema([(name, pa.float64()) for name in ("t", "x", "y")])
+    asked = []
+    table = ArrowTable("long.parquet", None, schema, 10**9, lambda names: asked.append(names) or [])
+    with pytest.raises(DataFormatError, match=r"the trip long/vehicle has over [\d,]+ rows"):
+        list(table_trips(table, "parquet", lambda *_: None))
+    assert not asked
 
 
 def test_one_large_row_group_in_any_order_gives_the_trips_of_many_small_ones(tmp_path):

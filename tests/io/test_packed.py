@@ -80,6 +80,24 @@ def test_each_member_of_an_archive_is_a_recording(tmp_path):
     assert trip.trip_id == "one/vehicle"
 
 
+def test_members_of_one_name_are_told(tmp_path):
+    path = zipped(tmp_path / "a.zip", {"one.csv": csv_text(40), "two.csv": csv_text(30)})
+    path.write_bytes(path.read_bytes().replace(b"two.csv", b"one.csv"))
+    told = {}
+    assert [len(trip) for trip in read_trips(path, on_skipped=told.__setitem__)] == [30]
+    assert told == {f"{path}/one.csv": "several members have this name: only the last of them is read"}
+
+
+def test_why_no_member_is_a_recording_is_told(tmp_path):
+    inner = zipped(tmp_path / "in.zip", {"one.csv": csv_text()})
+    outer = zipped(tmp_path / "out.zip", {"in.zip": inner.read_bytes()})
+    with pytest.raises(DataFormatError, match=r"knows \(out\.zip/in\.zip: is an archive in an archive"):
+        list(read_trips(outer))
+    other = zipped(tmp_path / "other.zip", {"one.csv": csv_text()}, zipfile.ZIP_LZMA)
+    with pytest.raises(DataFormatError, match=r"knows \(other\.zip/one\.csv: is packed by method 14"):
+        list(read_trips(other))
+
+
 def test_an_archive_in_a_folder_is_searched_and_its_recordings_are_named_by_it(tmp_path):
     folder = tmp_path / "all"
     folder.mkdir()

@@ -114,6 +114,22 @@ def test_gaps_split_and_absolute_times_are_those_of_the_readings():
     assert (read.start_unix_s, read.clock_s) == (1e9 + 0.0125, 7.0125)
 
 
+def test_uneven_recordings_look_a_recorded_step_ahead_and_no_further():
+    t_s = np.cumsum(np.random.default_rng(0).uniform(0.06, 0.16, 200))
+    t_s -= t_s[0]
+    line = np.stack([10 * t_s, 0 * t_s], axis=1)
+    whole = at_rate(build_trajectory("made/1", t_s, line), 5.0)
+    seen: list[bool] = []
+    for cut in range(50, 150, 7):
+        moved = line + np.stack([0 * t_s, t_s >= t_s[cut]], axis=1)
+        other = at_rate(build_trajectory("made/1", t_s, moved), 5.0)
+        differs = (whole.position_m != other.position_m).any(axis=1)
+        read_s = whole.t_s + 0.0125
+        assert not differs[read_s < t_s[cut - 1]].any()
+        seen.append(bool(differs[read_s < t_s[cut]].any()))
+    assert any(seen)
+
+
 def test_what_was_interpolated_with_samples_ahead_is_told():
     trip = drive([0.0, 0.1, 0.25, 0.3, 0.4, 0.55, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1])
     assert trip.resampled

@@ -54,7 +54,8 @@ Rate = Annotated[
     float | None,
     Parameter(
         help="Take trips as read so many times a second, each sample the last one recorded at or before its "
-        "reading [Hz]; as recorded where not given. Trips recorded more slowly are left out."
+        "reading [Hz]; as recorded where not given. Trips recorded more slowly are left out. Samples of "
+        "uneven recordings are interpolated before, from the row behind too."
     ),
 ]
 

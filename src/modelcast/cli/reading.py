@@ -10,10 +10,10 @@ from modelcast.cli.terminal import complain, say
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.core.printable import printable
 from modelcast.io.failure import failure_reason
+from modelcast.io.free_names import FreeNames, free_name
 from modelcast.io.packed import is_archive, member_of
 from modelcast.io.reading_rate import read_at, require_rate
 from modelcast.io.recordings import Recording, Recordings
-from modelcast.io.skipped import free_name
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["PARTLY_FAILED", "TripSource", "require_paths"]
@@ -108,17 +108,15 @@ class TripSource:
             say(line)
 
     def __iter__(self) -> Iterator[Trajectory]:
-        seen: dict[str, int] = {}
+        names = FreeNames()
         while (recording := self._next_recording()) is not None:
             self.started += 1
             try:
                 for read in recording.trips():
                     trip = read_at(_named(read, printable(read.trip_id)), self._rate_hz, self._skip)
                     if trip is not None and fnmatch.fnmatch(trip.trip_id, self._pattern):
-                        seen[trip.trip_id] = seen.get(trip.trip_id, 0) + 1
                         self.trips += 1
-                        copy = seen[trip.trip_id]
-                        yield trip if copy == 1 else _named(trip, f"{trip.trip_id}#{copy}")
+                        yield _named(trip, names.take(trip.trip_id))
             except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, it costs this file alone
                 self._fail(recording.path, error)
 

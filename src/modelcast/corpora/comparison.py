@@ -13,6 +13,7 @@ import fnmatch
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import ClassVar
 
@@ -199,7 +200,7 @@ def pool_comparison(
     Raises
     ------
     ConfigError
-        Where no trip could be compared.
+        Where no trip could be compared, or two have one name.
     DataFormatError
         Where a part is damaged.
     """
@@ -214,6 +215,9 @@ def pool_comparison(
         reasons = "; ".join(f"{trip}: {reason}" for trip, reason in failed.items())
         raise ConfigError("no usable trip" + (f" ({reasons})" if reasons else ""))
     places = {row.trip: at for at, row in enumerate(found.trips)}
+    if len(places) < len(found.trips):
+        twice = next(two.trip for one, two in pairwise(found.trips) if one.trip == two.trip)
+        raise ConfigError(f"two trips of the corpus are called {twice}: ingest its sources anew")
     names = {candidate.name: at for at, candidate in enumerate(candidates)}
     protocols = {protocol: at for at, protocol in enumerate(settings.protocols)}
     # A stable sort: thresholds stay in their order.

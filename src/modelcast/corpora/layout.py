@@ -27,7 +27,9 @@ import pyarrow.parquet as pq
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
-from modelcast.corpora.catalogue import SAMPLED, trip_from
+from modelcast.core.rules import Each, FieldError, Keys, Text, Whole, check
+from modelcast.corpora.catalogue import CATALOGUE, SAMPLED, trip_from
+from modelcast.corpora.partition_rows import SAMPLES
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = [
@@ -60,7 +62,26 @@ UNFINISHED = "ingest.json"
 """What is there instead of ``corpus.json`` while an ingest has not ended."""
 
 _MOST_BYTES = 64 * 1024**2
+_MOST = 2**53
+_MOST_LISTED = 1_000_000
 _DAMAGED = "Ingest its sources anew."
+_PARTITIONS = Each(
+    Keys(
+        {
+            "name": Text(16, pattern="[0-9]{4,}"),
+            "files": Each(
+                Text(64, pattern=rf"{ROWS_FOLDER}/partition=[0-9]{{4,}}/[0-9]{{4,}}\.parquet"),
+                1,
+                _MOST_LISTED,
+            ),
+            "trips": Whole(1, _MOST),
+            "rows": Whole(1, _MOST),
+            "digest": Text(64, pattern="[0-9a-f]{64}"),
+        }
+    ),
+    1,
+    _MOST_LISTED,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +138,7 @@ class Corpus:
         path = self.path / CATALOGUE_FILE
         try:
             with pq.ParquetFile(path, page_checksum_verification=True) as file:
+                _require_columns(path, file.schema_arrow, CATALOGUE)
                 found = file.read_row_group(self.partitions.index(partition))
         except (pa.ArrowException, OSError, ValueError, IndexError) as error:
             raise DataFormatError(str(path), f"cannot be read: {error}", remedy=_DAMAGED) from error
@@ -186,13 +208,7 @@ def open_corpus(path: str | Path) -> Corpus:
             f"is a corpus of version {document.get('version')}, this modelcast reads {VERSION}",
             remedy=_DAMAGED,
         )
-    try:
-        partitions = tuple(
-            Partition(one["name"], tuple(one["files"]), one["trips"], one["rows"], one["digest"])
-            for one in document["partitions"]
-        )
-    except (KeyError, TypeError) as error:
-        raise DataFormatError(str(folder / CORPUS_FILE), f"is damaged: {error!r}", remedy=_DAMAGED) from error
+    partitions = _partitions(folder / CORPUS_FILE, document.get("partitions"))
     missing = [name for one in partitions for name in one.files if not (folder / name).is_file()]
     if missing:
         raise DataFormatError(str(path), f"lacks its file {missing[0]}", remedy=_DAMAGED)
@@ -212,13 +228,47 @@ def partition_folder(corpus: Path, name: str) -> Path:
     return corpus / ROWS_FOLDER / f"partition={name}"
 
 
+def _partitions(path: Path, given: object) -> tuple[Partition, ...]:
+    """Return the partitions that ``corpus.json`` lists.
+
+    Their names become paths, here and in results folders, so nothing but what `ingest` writes is taken.
+    """
+    try:
+        check(given, _PARTITIONS, "partitions")
+    except FieldError as error:
+        raise DataFormatError(str(path), f"is damaged: {error}", remedy=_DAMAGED) from error
+    partitions = tuple(
+        Partition(one["name"], tuple(one["files"]), one["trips"], one["rows"], one["digest"])
+        for one in cast("list[dict[str, Any]]", given)
+    )
+    if len({one.name for one in partitions}) < len(partitions):
+        raise DataFormatError(str(path), "is damaged: it names a partition twice", remedy=_DAMAGED)
+    for one in partitions:
+        strange = [name for name in one.files if Path(name).parent != partition_folder(Path(), one.name)]
+        if strange:
+            raise DataFormatError(
+                str(path), f"is damaged: {strange[0]} is no file of partition {one.name}", remedy=_DAMAGED
+            )
+    return partitions
+
+
+def _require_columns(path: Path, found: Any, wanted: Any) -> None:
+    """Refuse a Parquet schema without one of the columns, or with another type of it."""
+    for column in wanted:
+        at = found.get_field_index(column.name)
+        if at < 0 or found.field(at).type != column.type:
+            raise DataFormatError(
+                str(path), f"has no column {column.name} of type {column.type}", remedy=_DAMAGED
+            )
+
+
 def _document(path: Path) -> dict[str, Any] | None:
     """Return a JSON document that has our mark, None where there is none."""
     try:
         if path.stat().st_size > _MOST_BYTES:
             return None
         found: object = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
     if not isinstance(found, dict):
         return None
@@ -259,6 +309,7 @@ class _Samples:
             self._where = str(path)
             try:
                 with pq.ParquetFile(path, page_checksum_verification=True) as file:
+                    _require_columns(path, file.schema_arrow, SAMPLES)
                     for group in range(file.num_row_groups):
                         yield file.read_row_group(group, columns=list(SAMPLED), use_threads=False)
             except (pa.ArrowException, OSError, ValueError) as error:

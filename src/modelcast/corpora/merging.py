@@ -1,7 +1,8 @@
 """One catalogue of several staged sources: names made different, vehicles shared out, in order.
 
 A vehicle's partition is that of its name (BLAKE2b, modulo the number of partitions), so it does not depend on
-what else the corpus holds. Where two trips share an identifier, the later gets ``#2``, ``#3``, ...
+what else the corpus holds. Where two trips share an identifier, the later gets ``#2``, ``#3``, ...; where
+that is another's own, the next number.
 """
 
 # pyarrow has no type stubs: what comes out of it is unknown to pyright.
@@ -16,6 +17,7 @@ import pyarrow as pa
 
 from modelcast.corpora.catalogue import CATALOGUE
 from modelcast.corpora.staging import Staging, staged_catalogue
+from modelcast.io.free_names import FreeNames
 
 __all__ = ["BATCH", "PARTITION_ROWS", "STAGED", "merged_catalogue", "partition_of"]
 
@@ -65,10 +67,9 @@ def merged_catalogue(read: Sequence[Staging], *, partitions: int | None) -> Any:
         tables.append(table.append_column(STAGED, number).append_column(BATCH, place))
     table = pa.concat_tables(tables)
     names = pl.DataFrame(pl.from_arrow(table.select(["trip", "vehicle", "samples"])))
-    copy = pl.int_range(1, pl.len() + 1).over("trip")
-    names = names.with_columns(
-        pl.when(copy == 1).then(pl.col("trip")).otherwise(pl.format("{}#{}", "trip", copy)).alias("trip")
-    )
+    free = FreeNames()
+    given = [free.take(name) for name in names["trip"].to_list()]
+    names = names.with_columns(pl.Series("trip", given, dtype=pl.String))
     count = partitions or max(1, -(-int(names["samples"].sum()) // PARTITION_ROWS))
     vehicles = names.select(pl.coalesce("vehicle", "trip").alias("vehicle"))["vehicle"]
     partition = {vehicle: partition_of(vehicle, count) for vehicle in vehicles.unique()}

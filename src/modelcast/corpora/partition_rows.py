@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -32,7 +33,10 @@ SAMPLES: Any = pa.schema([(name, pa.float64()) for name in SAMPLED])
 """A trip's samples between reading and packing; a column that a trip does not have is null."""
 
 _CONSTANT = tuple(name for name in TRIP_COLUMNS if name not in SAMPLED)
-_ROWS: Any = pa.schema([(name, pa.string() if name == "trip" else pa.float64()) for name in TRIP_COLUMNS])
+_WORDS: Any = pa.dictionary(pa.int32(), pa.string())
+_ROWS: Any = pa.schema([(name, _WORDS if name == "trip" else pa.float64()) for name in TRIP_COLUMNS])
+"""Names by number while they are held: a long one for every row is more than a column of text can have."""
+
 _OVERHEAD_BYTES = 1_000_000
 
 
@@ -55,12 +59,17 @@ def write_rows(folder: Path, trips: Iterable[tuple[Mapping[str, Any], Any]]) -> 
         with (
             (folder / names[-1]).open("wb") as file,
             pq.ParquetWriter(
-                file, _ROWS, compression="zstd", use_dictionary=dictionaries, write_page_checksum=True
+                file,
+                _ROWS,
+                compression="zstd",
+                use_dictionary=dictionaries,
+                write_page_checksum=True,
+                store_schema=False,  # names are read as text
             ) as writer,
         ):
             first = True
             while table is not None and (first or file.tell() + table.nbytes + _OVERHEAD_BYTES <= FILE_BYTES):
-                writer.write_table(table, row_group_size=table.num_rows)
+                writer.write_table(table.unify_dictionaries(), row_group_size=table.num_rows)
                 first, table = False, next(groups, None)
     return names
 
@@ -88,6 +97,9 @@ def _table(row: Mapping[str, Any], samples: Any) -> Any:
     """Return samples with the columns that are constant in a trip."""
     columns: dict[str, Any] = dict(zip(SAMPLED, samples.columns, strict=True))
     for name in _CONSTANT:
-        value = pa.scalar(row[name], _ROWS.field(name).type)
-        columns[name] = pa.repeat(value, samples.num_rows)
+        if name == "trip":
+            first = np.zeros(samples.num_rows, dtype=np.int32)
+            columns[name] = pa.DictionaryArray.from_arrays(first, [row[name]])
+        else:
+            columns[name] = pa.repeat(pa.scalar(row[name], pa.float64()), samples.num_rows)
     return pa.table([columns[name] for name in TRIP_COLUMNS], schema=_ROWS)

@@ -9,10 +9,10 @@ from typing import Any
 from modelcast.core.printable import printable
 from modelcast.io.base import AbstractTripReader
 from modelcast.io.failure import failure_reason
+from modelcast.io.free_names import free_name
 from modelcast.io.packed import member_of
 from modelcast.io.reading_rate import require_rate
 from modelcast.io.recordings import Recordings
-from modelcast.io.skipped import free_name
 
 __all__ = ["FoundSources", "Source", "find_sources"]
 

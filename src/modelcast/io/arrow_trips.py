@@ -18,6 +18,7 @@ import pyarrow as pa
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.column_map import known_map
+from modelcast.io.reading_limits import MOST_NAME_BYTES
 from modelcast.io.rows import LARGEST, Rows, are_numbers
 from modelcast.io.table_trips import AbstractTable, TablePart
 from modelcast.io.time_column import TimeColumn, TimeUnit, holds_dates
@@ -30,8 +31,6 @@ PART_ROWS = 131_072
 _LARGEST_TIME = 1e20
 """Unix nanoseconds are beyond `LARGEST`."""
 _ARROW_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-_MOST_CHARACTERS = 1024
-"""Longest name of a vehicle; what is longer is damage, and repeated over many rows would fill the memory."""
 
 
 class ArrowTable(AbstractTable):
@@ -55,6 +54,8 @@ class ArrowTable(AbstractTable):
     ConfigError, DataFormatError
         As for `modelcast.io.column_map.known_map`; where a column that is needed holds no numbers.
     """
+
+    counts_rows = True
 
     def __init__(
         self,
@@ -157,9 +158,9 @@ class ArrowTable(AbstractTable):
                 self.path, f"column {name!r} holds {held.type}, which is no text: {error}",
                 row=int(line[0]), remedy="Convert it first.",
             ) from error  # fmt: skip
-        if (words.str.len_bytes() > _MOST_CHARACTERS).any():
+        if (words.str.len_bytes() > MOST_NAME_BYTES).any():
             raise DataFormatError(
-                self.path, f"{name} has a text of over {_MOST_CHARACTERS} octets", row=int(line[0]),
+                self.path, f"{name} has a text of over {MOST_NAME_BYTES} octets", row=int(line[0]),
                 remedy="It holds names or times, which are shorter.",
             )  # fmt: skip
         if held is column:

@@ -7,7 +7,8 @@ comes as soon as its last block is read. Where the trips open at once would exce
 shared out over several such passes.
 
 A single trip over the limit is an error that names it: nothing that is done with a trip works on parts of
-one. So is a file of more than `MOST_TRIPS` trips, because each takes some memory in the first pass.
+one. So is a file of more than `MOST_TRIPS` trips, because each takes some memory in the first pass, and a
+name of more than `MOST_NAME_BYTES`.
 """
 
 from abc import ABC, abstractmethod
@@ -22,7 +23,7 @@ import polars as pl
 
 from modelcast.core.arrays import IntArray
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.reading_limits import HELD_BYTES, MOST_TRIPS, too_long
+from modelcast.io.reading_limits import HELD_BYTES, MOST_NAME_BYTES, MOST_TRIPS, too_long
 from modelcast.io.rows import Rows, joined
 
 __all__ = ["AbstractKeyedRows", "Gathered", "KeyedBlock", "gathered", "numbered"]
@@ -31,6 +32,7 @@ _REMEDY = (
     "Give each drive of this vehicle a name of its own, write it into several files, or read it by modelcast "
     "ingest with more --memory."
 )
+_SHOWN = 40
 _PART_BYTES = 200
 _COLUMN_BYTES = 120
 """What a part of a trip takes beside its numbers: for itself, and for each column."""
@@ -81,6 +83,11 @@ class AbstractKeyedRows(ABC, Generic[Key]):
     @abstractmethod
     def rows_expected(self) -> int | None:
         """About how many rows it has, None where only reading tells."""
+
+    @property
+    def only(self) -> Key | None:
+        """The key of all rows, where that and their exact number are known before any is read; else None."""
+        return None
 
     @abstractmethod
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[Key]]:
@@ -167,6 +174,8 @@ def gathered(file: AbstractKeyedRows[Key], held_bytes: int = HELD_BYTES) -> Iter
     """
     expected = file.rows_expected
     whole = None
+    if expected is not None and file.only is not None and expected * _row_bytes(file) > held_bytes:
+        raise _too_long(file, file.only, held_bytes)
     if expected is None or expected * _row_bytes(file) <= held_bytes:
         whole = _in_one_pass(file, held_bytes)
     if whole is not None:
@@ -238,6 +247,8 @@ def _in_one_pass(file: AbstractKeyedRows[Key], held_bytes: int) -> Iterator[Gath
     partial = False
     for block in file.blocks(rows=True):
         for key, rows in _parts(block, range(len(block.keys))):
+            if key not in held:
+                _require_short_name(file, key)
             held.setdefault(key, []).append(rows)
         left -= block.number.size * _row_bytes(file) + len(block.keys) * _part_bytes(file)
         if left < 0:
@@ -264,11 +275,11 @@ def _extents(file: AbstractKeyedRows[Key], held_bytes: int) -> _Extents[Key]:
         for key, rows in zip(
             block.keys, np.bincount(block.number, minlength=len(block.keys)).tolist(), strict=True
         ):
+            if key not in found.place:
+                _require_short_name(file, key)
             at = found.add(key, block.index, rows)
             if found.rows[at] * row_bytes > held_bytes:
-                raise too_long(
-                    file.path, file.called(key), row_bytes=row_bytes, held_bytes=held_bytes, remedy=_REMEDY
-                )
+                raise _too_long(file, key, held_bytes)
         if len(found.first) > MOST_TRIPS:
             raise DataFormatError(
                 file.path,
@@ -281,6 +292,22 @@ def _extents(file: AbstractKeyedRows[Key], held_bytes: int) -> _Extents[Key]:
     if not found.place and file.needs_rows:
         raise _no_rows(file)
     return found
+
+
+def _too_long(file: AbstractKeyedRows[Key], key: Key, held_bytes: int) -> DataFormatError:
+    return too_long(
+        file.path, file.called(key), row_bytes=_row_bytes(file), held_bytes=held_bytes, remedy=_REMEDY
+    )
+
+
+def _require_short_name(file: AbstractKeyedRows[Key], key: Key) -> None:
+    """Refuse a trip whose identifier is longer than any name."""
+    name = file.called(key)
+    if len(name.encode(errors="replace")) > MOST_NAME_BYTES:
+        raise DataFormatError(
+            file.path, f"the name of a trip has over {MOST_NAME_BYTES:,} octets: {name[:_SHOWN]}...",
+            remedy="Check which column names the vehicle: names are shorter.",
+        )  # fmt: skip
 
 
 def _no_rows(file: AbstractKeyedRows[Key]) -> DataFormatError:

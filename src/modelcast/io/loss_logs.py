@@ -18,6 +18,7 @@ from modelcast.channel.link_record import SHORTEST_PART, LinkRecord
 from modelcast.channel.recorded import RecordedLosses
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.printable import printable
+from modelcast.io.free_names import FreeNames
 from modelcast.io.heard_links import HeardLinks
 from modelcast.io.nyc_losses import read_event_links
 from modelcast.io.pcap_losses import read_capture_links
@@ -106,14 +107,12 @@ def read_loss_logs(paths: Sequence[Path]) -> list[LossLog]:
         Where a file cannot be read, or tells no losses.
     """
     found: dict[str, LossLog] = {}
-    names: dict[str, int] = {}
+    names = FreeNames()
     for path in paths:
         sha256 = sha256_of(path)
         if sha256 in found:
             continue
-        name = printable(path.name)
-        names[name] = names.get(name, 0) + 1
-        found[sha256] = _loss_log(path, name if names[name] == 1 else f"{name}#{names[name]}", sha256)
+        found[sha256] = _loss_log(path, names.take(printable(path.name)), sha256)
     return list(found.values())
 
 

@@ -188,11 +188,15 @@ def archive_members(path: str | Path) -> tuple[list[Member], dict[str, str]]:
             parts = info.filename.split("/")
             if info.is_dir():
                 continue
-            if info.flag_bits & 1:
+            if info is not archive.getinfo(info.filename):
+                left[member.path] = "several members have this name: only the last of them is read"
+            elif info.flag_bits & 1:
                 encrypted += 1
                 left[member.path] = "is encrypted: unpack it with its password"
             elif any(part.startswith(".") for part in parts) or parts[0] == "__MACOSX":
                 left[member.path] = "hidden: unpack it to have it read"
+            elif parts[-1].lower().endswith(_SUFFIX):
+                left[member.path] = "is an archive in an archive: unpack the outer one"
             else:
                 found.append(member)
     if encrypted and not found:

@@ -6,12 +6,18 @@ bounds the memory of a file is therefore a bound on its largest trip.
 
 from modelcast.core.exceptions import DataFormatError
 
-__all__ = ["HELD_BYTES", "MOST_TRIPS", "require_fitting", "too_long"]
+__all__ = ["HELD_BYTES", "MOST_NAME_BYTES", "MOST_TRIPS", "require_fitting", "too_long"]
 
 HELD_BYTES = 96 * 2**20
 """Octets of numbers gathered at a time, and so of one trip, unless a command is told otherwise.
 
 Making a trip of them takes about six times as much for a while: under 1 GiB with all libraries.
+"""
+
+MOST_NAME_BYTES = 1024
+"""Octets of a text that names a vehicle, and of a trip's identifier.
+
+What is longer is damage, and repeated over many rows would fill the memory.
 """
 
 MOST_TRIPS = 1_000_000

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from modelcast.core.exceptions import DataFormatError
+from modelcast.core.printable import printable
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
 from modelcast.io.packed import archive_members, is_archive, member_of, recording_name
 from modelcast.io.places import place_kind, readable_kind
@@ -14,6 +15,9 @@ from modelcast.io.unpacking import packed_trips
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["Recording", "Recordings"]
+
+_MOST_REASONS = 3
+"""Files whose reasons the error names where none of a folder or archive is a recording."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +100,7 @@ class Recordings(Iterator[Recording]):
         self._report = ignore_skipped if on_skipped is None else on_skipped
         self._root = Path()
         self._tried = False
+        self._left: list[str] = []
         self._done: set[Path] = set()
         self.at = ""
         """The path looked at last."""
@@ -141,10 +146,10 @@ class Recordings(Iterator[Recording]):
             kind = self._entry_kind(at)
         elif member_of(place.path) is not None:
             kind = "file"
-            self._root, self._tried = at, False
+            self._root, self._tried, self._left = at, False, []
         else:
             kind = readable_kind(at)
-            self._root, self._tried = at, False
+            self._root, self._tried, self._left = at, False, []
             if kind == "folder" or is_archive(at):
                 self._waiting.append(_Place(place.path, "end"))
         if kind == "file" and is_archive(at):
@@ -161,7 +166,7 @@ class Recordings(Iterator[Recording]):
         """Put the members of an archive in line, each a recording; tell what is left out."""
         members, left = archive_members(archive)
         for path, reason in left.items():
-            self._report(path, reason)
+            self._leave(path, reason)
         self._waiting += [_Place(member.path, "member") for member in reversed(members)]
 
     def _require_tried(self, folder: str) -> None:
@@ -169,24 +174,30 @@ class Recordings(Iterator[Recording]):
             raise DataFormatError(
                 folder,
                 f"no file in this {'folder' if Path(folder).is_dir() else 'archive'} is a trip that a reader "
-                "knows",
+                f"knows{' (' + '; '.join(self._left) + ')' if self._left else ''}",
                 remedy="Name the files and their format.",
             )
+
+    def _leave(self, path: str, reason: str) -> None:
+        """Report what is left out, and keep the first reasons in case that nothing else is found."""
+        if len(self._left) < _MOST_REASONS:
+            self._left.append(printable(f"{self.label(path)}: {reason}"))
+        self._report(path, reason)
 
     def _entry_kind(self, entry: Path) -> Literal["file", "folder"] | None:
         """Return what a folder's entry is, or None where it is left out, which is reported."""
         if entry.name.startswith("."):
-            self._report(str(entry), "hidden: name it to have it read")
+            self._leave(str(entry), "hidden: name it to have it read")
             return None
         if entry.is_symlink() and entry.is_dir():
-            self._report(str(entry), "is a link to a folder: name it to have it read")
+            self._leave(str(entry), "is a link to a folder: name it to have it read")
             return None
         kind = place_kind(entry) if entry.exists() else readable_kind(entry)
         if kind == "file":
             return "file"
         if kind == "folder":
             return "folder"
-        self._report(str(entry), f"is {kind}, not a file")
+        self._leave(str(entry), f"is {kind}, not a file")
         return None
 
     def _known(self, path: str) -> Recording | None:
@@ -194,10 +205,10 @@ class Recordings(Iterator[Recording]):
         try:
             name = self._detected(path)
         except DataFormatError as error:
-            self._report(path, error.problem)
+            self._leave(path, error.problem)
             return None
         if self._format not in {None, name}:
-            self._report(path, f"is {name}, not {self._format}")
+            self._leave(path, f"is {name}, not {self._format}")
             return None
         return self._opened(path, name)
 

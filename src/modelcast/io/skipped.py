@@ -2,30 +2,9 @@
 
 from collections.abc import Iterable, Mapping
 
-__all__ = ["free_name", "merge_skipped"]
+from modelcast.io.free_names import free_name
 
-
-def free_name(taken: Mapping[str, str], name: str) -> str:
-    """Return the name, or with ``#2``, ``#3``, ... behind it where it is taken.
-
-    Parameters
-    ----------
-    taken
-        Holds the names that are taken.
-    name
-        The one asked for.
-
-    Examples
-    --------
-    >>> free_name({"a": "", "a#2": ""}, "a"), free_name({}, "a")
-    ('a#3', 'a')
-    """
-    if name not in taken:
-        return name
-    copy = 2
-    while f"{name}#{copy}" in taken:
-        copy += 1
-    return f"{name}#{copy}"
+__all__ = ["merge_skipped"]
 
 
 def merge_skipped(several: Iterable[Mapping[str, str]]) -> dict[str, str]:

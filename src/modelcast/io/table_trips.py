@@ -9,6 +9,7 @@ with such a position are skipped and counted; such values of other columns are m
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import polars as pl
@@ -74,6 +75,9 @@ class AbstractTable(ABC):
         What its columns mean.
     """
 
+    counts_rows: ClassVar[bool] = False
+    """Whether `rows_expected` is exact."""
+
     def __init__(self, path: str, found: ColumnMap) -> None:
         self.path = path
         self.found = found
@@ -126,7 +130,7 @@ def table_trips(
         trip = _trip(
             table.path, source, trip_id, found.rows, tally,
             count=len(found.rows) + int(found.partial), time=table.time,
-            shared_origin=rows.origin, one_clock=rows.one_clock,
+            shared_origin=rows.origin, one_clock=rows.one_clock, vehicle=rows.vehicle(found.key),
         )  # fmt: skip
         if trip is None:
             on_skipped(trip_id, tally.why_empty())
@@ -158,10 +162,20 @@ class _TableRows(AbstractKeyedRows[str]):
         """As the table says."""
         return self._table.rows_expected
 
+    @property
+    def only(self) -> str | None:
+        """The one trip of a table that names none and counts its rows."""
+        return _ONLY if self._table.counts_rows and self._table.found.label is None else None
+
     def called(self, key: str) -> str:
         """The label where it is a complete identifier, else ``<stem>/<label>``."""
         found = self._table.found
         return key if found.whole_id and found.label is not None else f"{recording_stem(self.path)}/{key}"
+
+    def vehicle(self, key: str) -> str:
+        """The label where it names a vehicle, whose trips may be in several files; else nothing."""
+        found = self._table.found
+        return "" if found.whole_id or found.label is None else key
 
     def blocks(self, *, rows: bool) -> Iterator[KeyedBlock[str]]:
         """Yield the table's parts."""
@@ -218,7 +232,7 @@ class _TableRows(AbstractKeyedRows[str]):
 
 def _trip(
     path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int, time: TimeUnit,
-    shared_origin: Origin | None, one_clock: bool,
+    shared_origin: Origin | None, one_clock: bool, vehicle: str,
 ) -> Trajectory | None:  # fmt: skip
     """Return one vehicle's trip, or None where no row is usable."""
     columns = rows.columns
@@ -257,6 +271,7 @@ def _trip(
         origin=origin,
         unix_offset_s=unix + (start + time.start) * time.unit_s if np.isfinite(unix) else None,
         clock_offset_s=(start + time.start) * time.unit_s if one_clock else None,
+        vehicle=vehicle,
     )
 
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast, overload
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.base import OnSkipped, ignore_skipped
+from modelcast.io.free_names import FreeNames, free_name
 from modelcast.io.recordings import Recording, Recordings
-from modelcast.io.skipped import free_name
 from modelcast.trips.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -211,15 +211,14 @@ class Trips(Sequence[Trajectory]):
                 self._skipped[free_name(self._skipped, what)] = reason
                 self._on_skipped(what, reason)
 
-        seen: dict[str, int] = {}
+        names = FreeNames()
         entries: list[_Entry] = []
         held: list[Trajectory] = []
         left_bytes = MOST_HELD_BYTES
         for recording in self._recordings(note):
             again = replace(recording, on_skipped=ignore_skipped)
             for place, read in enumerate(recording.trips()):
-                copies = seen[read.trip_id] = seen.get(read.trip_id, 0) + 1
-                trip = _named(read, read.trip_id if copies == 1 else f"{read.trip_id}#{copies}")
+                trip = _named(read, names.take(read.trip_id))
                 entries.append(_Entry(again, place, trip.trip_id))
                 left_bytes -= sum(column.nbytes for column in trip.columns().values())
                 if left_bytes >= 0:

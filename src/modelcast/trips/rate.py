@@ -1,5 +1,9 @@
 """A trip as a receiver that reads at a lower rate would have had it: nothing of it comes from later samples.
 
+That holds of the trip's samples. Those of an uneven recording are interpolated when it is read
+(`modelcast.trips.trajectory.build_trajectory`), each from a row before and a row behind it: there a sample
+may know of a row up to a recorded step later, and all of the recording tells whether it counts as uneven.
+
 The receiver reads once a step, a sixteenth of a step after the instant it reads for, so that a clock that
 jitters by less makes no difference. It takes the last sample recorded at or before its reading, as it is: a
 position that is some milliseconds old stays where it was measured. Where no new sample has come by a reading,
