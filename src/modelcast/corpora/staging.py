@@ -32,7 +32,6 @@ from modelcast.corpora.partition_rows import SAMPLES
 from modelcast.corpora.sources import Source
 from modelcast.io.base import NoUsableRow, OnSkipped
 from modelcast.io.failure import failure_reason
-from modelcast.io.free_names import free_name
 from modelcast.io.output import lasting_rename
 from modelcast.io.partial import clean_leftovers, partial_folder
 from modelcast.io.reading_rate import read_at
