@@ -159,6 +159,7 @@ if TYPE_CHECKING:
     from modelcast.study.cruise.senders import platoon_sender as platoon_sender
     from modelcast.study.network.simulate import FleetRuns as FleetRuns
     from modelcast.study.network.trace import TraceObserver as TraceObserver
+    from modelcast.study.recording import AbstractRecordSink as AbstractRecordSink
     from modelcast.study.result import EvaluationResult as EvaluationResult
     from modelcast.study.safety.settings import SafetySettings as SafetySettings
     from modelcast.study.settings import EvaluationSettings as EvaluationSettings
@@ -183,6 +184,7 @@ _HOMES = {
     "AbstractNumpySubModel": "models.numpy_model",
     "AbstractRadio": "channel.radio",
     "AbstractRadioSimulator": "channel.external_radio",
+    "AbstractRecordSink": "study.recording",
     "AbstractTransmitPolicy": "station.policy.base",
     "AbstractTripReader": "io.base",
     "Air": "station.policy.base",

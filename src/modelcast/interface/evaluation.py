@@ -30,6 +30,7 @@ from modelcast.report.tables import (
     trips_frame,
 )
 from modelcast.study.evaluate import evaluate as evaluate_trips
+from modelcast.study.recording import AbstractRecordSink
 from modelcast.study.result import POOLED, EvaluationResult
 from modelcast.study.settings import EvaluationSettings
 
@@ -160,6 +161,7 @@ def evaluate(
     settings: EvaluationSettings | None = None,
     *,
     progress: Callable[[int, int], None] | None = None,
+    records: AbstractRecordSink | None = None,
 ) -> Evaluation:
     """Run the hybrid bank and the raw-message baseline over trips: rates, tracking under loss, figures' data.
 
@@ -172,6 +174,9 @@ def evaluate(
         What to do; the defaults are the paper's.
     progress
         Called with trips done and trips taken so far.
+    records
+        Takes messages and tracking-error samples trip by trip; the result then has none of them. Where None,
+        the result keeps them.
 
     Raises
     ------
@@ -190,5 +195,5 @@ def evaluate(
     if settings is not None:
         require_type("settings", settings, EvaluationSettings)
     taken = GivenTripList(trips)
-    result = evaluate_trips(taken, settings, progress=progress)
+    result = evaluate_trips(taken, settings, progress=progress, records=records)
     return Evaluation(replace(result, skipped=taken.skipped))
