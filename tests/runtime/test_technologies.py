@@ -84,7 +84,8 @@ def over_medium() -> Carry:
     return carry
 
 
-def over_radio(radio: AbstractRadio[Any]) -> Carry:
+def over_radio(radio: AbstractRadio[Any], lost: list[int]) -> Carry:
+    """Over a radio that says how many receptions came to nothing, which is put into ``lost``."""
     state, posted = radio.init(CARS, np.random.default_rng(4)), list[bytes]()
 
     def carry(sent: list[Sending], position_m: FloatArray, until_s: float) -> Arrived:
@@ -100,6 +101,7 @@ def over_radio(radio: AbstractRadio[Any]) -> Carry:
         )
         posted.extend(one.octets for one in sent)
         got, state = radio.step(state, batch, position_m, until_s)
+        lost.append(int(got.outcomes[:, 1:].sum()))
         return [
             (int(host), posted[number], float(t_s))
             for host, number, t_s in zip(got.receiver, got.message_id, got.t_s, strict=True)
@@ -116,10 +118,12 @@ class Drive:
     heard: list[set[bytes]] = field(default_factory=lambda: [set[bytes]() for _ in range(CARS)])
     known: list[list[tuple[frozenset[bytes], Beliefs]]] = field(default_factory=list[Any])
     """What each host has heard, and its map, after each step."""
+    lost: list[int] = field(default_factory=list[int])
+    """Receptions that the radio says came to nothing, step by step."""
 
 
-def drive(carry: Carry, sender: Sender) -> Drive:
-    fleet, came = Fleet(sender, slots=CARS, seed=2, spread_s=1.0), Drive()
+def drive(carry: Carry, sender: Sender, lost: list[int]) -> Drive:
+    fleet, came = Fleet(sender, slots=CARS, seed=2, spread_s=1.0), Drive(lost=lost)
     for now in motions():
         sent = fleet.sense(
             now.t_s, np.arange(CARS), now.position_m, speed_mps=now.speed_mps, heading_rad=now.heading_rad
@@ -150,8 +154,11 @@ def a_sender(name: str) -> Sender:
 @pytest.fixture(scope="module", params=["mbc", "baseline"])
 def drives(request: pytest.FixtureRequest) -> dict[str, Drive]:
     sender = a_sender(request.param)
-    found = {name: drive(over_radio(radio), sender) for name, radio in RADIOS.items()}
-    return {"virtual": drive(over_medium(), sender), **found}
+    found = {"virtual": drive(over_medium(), sender, [])}
+    for name, radio in RADIOS.items():
+        lost = list[int]()
+        found[name] = drive(over_radio(radio, lost), sender, lost)
+    return found
 
 
 def test_the_same_messages_are_sent_over_every_technology(drives: dict[str, Drive]) -> None:
@@ -162,12 +169,19 @@ def test_the_same_messages_are_sent_over_every_technology(drives: dict[str, Driv
 
 
 def test_every_technology_brings_every_message_to_all_others(drives: dict[str, Drive]) -> None:
-    """Within 80 m and with few messages nothing is lost; the last half second may still be on its way."""
-    for host in range(CARS):
-        whole = {one.octets for one in drives["virtual"].sent if one.vehicle != host and one.send_s < 9.5}
-        for name, found in drives.items():
-            assert whole <= found.heard[host], name
+    """Within 80 m and with few messages nothing is lost; the last half second may still be on its way.
+
+    But in mode 4 two may choose one subframe: they do not hear each other. Then the radio says so.
+    """
+    for name, found in drives.items():
+        missing = 0
+        for host in range(CARS):
+            whole = {one.octets for one in drives["virtual"].sent if one.vehicle != host and one.send_s < 9.5}
+            missing += len(whole - found.heard[host])
             assert found.heard[host] <= {one.octets for one in found.sent if one.vehicle != host}, name
+        assert missing <= sum(found.lost) <= (0.03 * CARS * len(found.sent) if name == "sidelink" else 0), (
+            name
+        )
 
 
 def test_hosts_that_heard_the_same_believe_the_same(drives: dict[str, Drive]) -> None:
