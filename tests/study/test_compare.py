@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
 import pytest
@@ -92,12 +93,20 @@ def test_a_trained_candidate_needs_another_route(trips: list[Trajectory]) -> Non
         compare(trips[:1], [learner([])], SETTINGS)
 
 
+def as_pooled(trip: str, value: Any) -> Any:
+    """What equals a figure of an evaluation: a pooled one within a bin of its histogram."""
+    return pytest.approx(value, rel=2.0**-9, abs=1e-6) if trip == POOLED else value
+
+
 @pytest.mark.parametrize("protocol", ["recorded", "sensor"])
 @pytest.mark.parametrize("candidate", CANDIDATES, ids=lambda one: one.name)
 def test_rows_are_those_of_a_single_evaluation(
     trips: list[Trajectory], compared: ComparisonResult, candidate: FixedCandidate, protocol: str
 ) -> None:
-    """To the last bit, trip by trip and pooled: the work shared among candidates changes nothing."""
+    """To the last bit: the work shared among candidates changes nothing.
+
+    But pooled percentiles of an evaluation are those of a histogram, within one of its bins.
+    """
     settings = replace(candidate.fitted((), SHARED), protocol=protocol, references=False)
     alone = evaluate(trips, settings)
     chosen = [row for row in compared.counts if (row.candidate, row.protocol) == (candidate.name, protocol)]
@@ -131,9 +140,13 @@ def test_rows_are_those_of_a_single_evaluation(
             )
             for policy in ("mbc", "baseline-matched", "baseline-periodic")
         )
-        assert (row.p90_m, row.p99_m) == (own.pte_p90_m, own.pte_p99_m)
-        assert (row.matched_p90_m, row.matched_p99_m) == (matched.pte_p90_m, matched.pte_p99_m)
-        assert (row.periodic_p90_m, row.periodic_p99_m) == (periodic.pte_p90_m, periodic.pte_p99_m)
+        assert (row.p90_m, row.p99_m) == as_pooled(row.trip, (own.pte_p90_m, own.pte_p99_m))
+        assert (row.matched_p90_m, row.matched_p99_m) == as_pooled(
+            row.trip, (matched.pte_p90_m, matched.pte_p99_m)
+        )
+        assert (row.periodic_p90_m, row.periodic_p99_m) == as_pooled(
+            row.trip, (periodic.pte_p90_m, periodic.pte_p99_m)
+        )
         assert row.message_rate_hz == pytest.approx(own.message_rate_hz)
         assert row.p90_ratio == row.p90_m / min(row.matched_p90_m, row.periodic_p90_m)
 
@@ -155,7 +168,7 @@ def test_the_baselines_may_be_given_the_rate_of_updates(trips: list[Trajectory])
             if (one.trip, one.policy, one.rate_basis, one.threshold_m, one.packet_error_ratio)
             == (row.trip, "baseline-matched", "update", row.threshold_m, row.packet_error_ratio)
         )
-        assert row.matched_p90_m == matched.pte_p90_m
+        assert row.matched_p90_m == as_pooled(row.trip, matched.pte_p90_m)
         if row.trip == POOLED:
             assert row.matched_rate_hz < total.matched_rate_hz
 
