@@ -60,9 +60,9 @@ class Failed:
     @property
     def reason(self) -> str:
         """Why, in one line."""
-        if isinstance(self.error, MemoryError):
-            return "more memory than its process may take (MemoryError): give more --memory, or fewer --jobs"
         text = str(self.error)
+        if isinstance(self.error, MemoryError) and not text:
+            text = "more than its process may take"
         return printable(
             text if isinstance(self.error, ModelcastError) else f"{type(self.error).__name__}: {text}"
         )
