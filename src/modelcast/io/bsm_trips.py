@@ -132,11 +132,6 @@ class _Senders(AbstractKeyedRows[str]):
         """Those of a trip, and the instant."""
         return len(CORE_COLUMNS) + 1
 
-    @property
-    def rows_expected(self) -> int | None:
-        """Only reading tells."""
-        return None
-
     def called(self, key: str) -> str:
         """The sender."""
         return key

@@ -80,9 +80,9 @@ class AbstractKeyedRows(ABC, Generic[Key]):
         """How many columns of numbers its rows have."""
 
     @property
-    @abstractmethod
     def rows_expected(self) -> int | None:
         """About how many rows it has, None where only reading tells."""
+        return None
 
     @property
     def only(self) -> Key | None:

@@ -14,7 +14,7 @@ from modelcast.io.rows import Rows
 from modelcast.io.text_blocks import Block, number_column, read_blocks, text_column
 from modelcast.io.text_head import rows_expected
 
-__all__ = ["KeyedText", "TextKey"]
+__all__ = ["KeyedText", "TextKey", "block_keys"]
 
 TextKey = tuple[str, ...]
 """Values of the columns that name a trip."""
@@ -76,7 +76,7 @@ class KeyedText(AbstractKeyedRows[TextKey]):
             self.path, counts=self.counts, fields=fields, skip_lines=self.skip_lines,
             numbers=[self.place[name] for name in self.numbers if name in names], separator=self.separator,
         ):  # fmt: skip
-            keys, number = self._keys(block)
+            keys, number = block_keys(self.path, block, {name: self.place[name] for name in self.keys})
             found = self._numbers(block) if rows else None
             yield KeyedBlock(block.index, keys, number, found, partial=block.partial > 0)
 
@@ -84,14 +84,30 @@ class KeyedText(AbstractKeyedRows[TextKey]):
         columns = {name: number_column(self.path, block, self.place[name], name) for name in self.numbers}
         return Rows(block.line, columns)
 
-    def _keys(self, block: Block) -> tuple[list[TextKey], IntArray]:
-        """Return the keys of a block in order of appearance, and each row's key by number, (R,)."""
-        columns = [text_column(block, self.place[name]).alias(name) for name in self.keys]
-        for column in columns:
-            if column.null_count():
-                at = int(column.is_null().arg_true()[0])
-                raise DataFormatError(
-                    self.path, f"{column.name} is blank", row=int(block.line[at]),
-                    remedy="Every row needs it: it names the trip.",
-                )  # fmt: skip
-        return numbered(columns)
+
+def block_keys(path: str, block: Block, places: Mapping[str, int]) -> tuple[list[TextKey], IntArray]:
+    """Return the keys of a block in order of appearance, and each row's key by number, (R,).
+
+    Parameters
+    ----------
+    path
+        The file, for errors.
+    block
+        One that has the columns of the keys.
+    places
+        Where each of them is, by its name.
+
+    Raises
+    ------
+    DataFormatError
+        Where one of them is blank.
+    """
+    columns = [text_column(block, at).alias(name) for name, at in places.items()]
+    for column in columns:
+        if column.null_count():
+            at = int(column.is_null().arg_true()[0])
+            raise DataFormatError(
+                path, f"{column.name} is blank", row=int(block.line[at]),
+                remedy="Every row needs it: it names the trip.",
+            )  # fmt: skip
+    return numbered(columns)

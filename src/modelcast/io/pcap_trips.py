@@ -99,11 +99,6 @@ class _CapturedRows(AbstractKeyedRows[int]):
         """Time and what a trip takes."""
         return 1 + len(_COLUMNS)
 
-    @property
-    def rows_expected(self) -> int | None:
-        """Only reading tells."""
-        return None
-
     def called(self, key: int) -> str:
         """``<stem>/<id>``."""
         return f"{recording_stem(self.path)}/{key:08x}"

@@ -179,11 +179,6 @@ class _Topics(AbstractKeyedRows[_Topic]):
         """Those of a message, and when it was stored."""
         return len(COLUMNS) + 1
 
-    @property
-    def rows_expected(self) -> int | None:
-        """Only reading tells."""
-        return None
-
     def called(self, key: _Topic) -> str:
         """The topic."""
         return f"{recording_stem(self.path)}/{key.topic.strip('/')}"

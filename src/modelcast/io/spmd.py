@@ -15,11 +15,12 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
-from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered, numbered
+from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered
+from modelcast.io.keyed_text import block_keys
 from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, located, make_trip, ordered, with_missing
-from modelcast.io.text_blocks import Block, number_column, read_blocks, text_column
+from modelcast.io.text_blocks import Block, number_column, read_blocks
 from modelcast.io.text_head import file_head, first_lines, rows_expected, split_fields
 from modelcast.trips.trajectory import Trajectory
 
@@ -128,7 +129,7 @@ class SpmdFile:
         )
 
     def block_keys(self, block: Block) -> tuple[list[Key], IntArray]:
-        """Return the keys of a block in order of appearance, and each row's key by number, (R,).
+        """Return the keys of a block as `modelcast.io.keyed_text.block_keys` does.
 
         Parameters
         ----------
@@ -140,17 +141,7 @@ class SpmdFile:
         DataFormatError
             Where one of them is blank.
         """
-        columns = [text_column(block, self.at[name]).alias(name) for name in self.layout.keys]
-        for column in columns:
-            if column.null_count():
-                at = int(column.is_null().arg_true()[0])
-                raise DataFormatError(
-                    self.path,
-                    f"{column.name} is blank",
-                    row=int(block.line[at]),
-                    remedy="Every row needs it: it names the trip.",
-                )
-        return numbered(columns)
+        return block_keys(self.path, block, {name: self.at[name] for name in self.layout.keys})
 
 
 def _is_number(text: str) -> bool:
