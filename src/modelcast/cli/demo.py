@@ -27,6 +27,8 @@ def demo(
     quiet
         Print nothing but errors.
     """
+    from dataclasses import replace
+
     from modelcast.cli.evaluation_run import publish, show
     from modelcast.cli.progress import busy
     from modelcast.cli.run_record import write_run
@@ -41,7 +43,7 @@ def demo(
             drive = generate_drive(seed=seed, duration_s=duration)
     except ValueError as error:
         raise ConfigError(str(error)) from error
-    settings = EvaluateOptions(seed=seed).settings()
+    settings = replace(EvaluateOptions(seed=seed).settings(), protocol="sensor", sensor=drive.sensor)
     with atomic_folder(out, command="demo", shown=f"--out {out}") as folder:
         with busy("evaluating a generated drive", quiet=quiet):
             result = evaluate([SensedTrip(drive.truth, drive.input)], settings)

@@ -14,11 +14,10 @@ from typing import ClassVar
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.evaluation_tables import read_tables, trips_in, write_tables_of
-from modelcast.corpora.executors.base import AbstractExecutor
 from modelcast.corpora.executors.versions import worker_versions
 from modelcast.corpora.job import AbstractJob, TripFailures, read_failures
 from modelcast.corpora.layout import Corpus
-from modelcast.corpora.running import Outcome, Watch, run_job, watch_nothing
+from modelcast.corpora.running import Outcome
 from modelcast.io.documents import document_text, plain_value
 from modelcast.io.record_files import RecordFiles
 from modelcast.study.context import reads_context
@@ -33,7 +32,6 @@ from modelcast.trips.trajectory import Trajectory
 __all__ = [
     "MOST_LISTED",
     "EvaluateJob",
-    "evaluate_corpus",
     "gather_parts",
     "reduce_evaluation",
 ]
@@ -110,40 +108,6 @@ class EvaluateJob(AbstractJob):
         failures.reasons |= gathered.failures
         failures.write(folder)
         write_tables_of(gathered, sharpest_mps2, folder)
-
-
-def evaluate_corpus(
-    corpus: Corpus,
-    settings: EvaluationSettings,
-    results: Path,
-    executor: AbstractExecutor,
-    *,
-    watch: Watch = watch_nothing,
-) -> EvaluationResult:
-    """Evaluate all trips of a corpus.
-
-    Parameters
-    ----------
-    corpus
-        The trips.
-    settings
-        What to do.
-    results
-        The results folder, as for `run_job`: parts that are there already are not made again.
-    executor
-        Where it is done.
-    watch
-        Told how far it is.
-
-    Raises
-    ------
-    ConfigError
-        As for `EvaluateJob` and `run_job`, and where no trip could be evaluated.
-    DataFormatError
-        Where the corpus or a part is damaged.
-    """
-    outcome = run_job(corpus, EvaluateJob(settings), results, executor, watch=watch)
-    return reduce_evaluation(corpus, settings, outcome)
 
 
 def reduce_evaluation(corpus: Corpus, settings: EvaluationSettings, outcome: Outcome) -> EvaluationResult:
