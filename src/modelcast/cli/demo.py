@@ -16,6 +16,8 @@ def demo(
 ) -> int:
     """Evaluate a generated drive, with GPS and CAN as a sender sees them: no data needed.
 
+    For example: `modelcast demo --out out/demo`
+
     Parameters
     ----------
     out
