@@ -30,6 +30,8 @@ def node(
 ) -> int:
     """Run a station on the road: measure, send, hear, keep the map, warn.
 
+    For example: `modelcast node --gnss trip:drive.csv --dashboard`
+
     Frames go out as UDP multicast on this machine alone, unless the configuration says otherwise. What
     happens is written to the standard error, a line of JSON each. Ends by SIGTERM or Ctrl-C.
 
