@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo demo-live docs test verify check bench bench-paired mutate fuzz paper validate soak setup setup-dev lock clean same
+.PHONY: demo demo-live docs test test-only verify check lint types bench bench-paired mutate fuzz paper validate soak setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -17,18 +17,28 @@ demo-live: $(VENV)/.node
 docs: $(VENV)/.docs
 	$(BIN)/python tools/website/build.py
 
-test: check
-	$(BIN)/python -m pytest -n auto
+# Bytecode is kept whatever the environment says: tests start hundreds of interpreters, most of which would else be
+# compiling modelcast's sources. pyright is one process that waits for nobody, so it runs beside the tests.
+test verify: export PYTHONDONTWRITEBYTECODE :=
+test: lint
+	$(MAKE) --no-print-directory --jobs=2 types test-only
+
+test-only: setup-dev
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 # What is slow: a wheel installed, upgraded and run, processes that race on a cold cache.
 verify: setup-dev
-	$(BIN)/python -m pytest -n auto -m slow tests
+	$(BIN)/python -m pytest -n auto --dist worksteal -m slow tests
 
-check: setup-dev
+check: lint types
+
+lint: setup-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pyright
 	$(BIN)/lint-imports
+
+types: setup-dev
+	$(BIN)/pyright
 
 bench: setup-dev
 	$(BIN)/python benchmarks/run_all.py
