@@ -37,8 +37,11 @@ _MORE_TABS = 30
 _SHOWN_FAULTS = 5
 """Places that a fault is told for."""
 
-_AXE_OPTIONS = {"resultTypes": ["violations"], "rules": {"target-size": {"enabled": True}}}
-"""All rules that axe runs by itself, best practice among them, and the size of what a finger is to hit."""
+_AXE_OPTIONS = {"resultTypes": ["violations"], "rules": {"target-size": {"enabled": True}}, "preload": False}
+"""All rules that axe runs by itself, best practice among them, and the size of what a finger is to hit.
+
+Without preloading axe asks for no style sheet: it takes addresses in them for addresses in the page.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,7 +240,7 @@ _FOCUSED = f"""() => {{
   const at = controls.indexOf(one);
   const style = getComputedStyle(one);
   const outlined = style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 1
-    && !/, 0\\)$/.test(style.outlineColor);
+    && !/^rgba.*, 0\\)$/.test(style.outlineColor);
   const box = one.getBoundingClientRect();
   const inside = box.bottom > 0 && box.right > 0 && box.top < innerHeight && box.left < innerWidth;
   const shows = outlined || (at >= 0 && look(one) !== before[at]);
