@@ -33,7 +33,7 @@ def test_what_is_shown_agrees_where_words_are_alike_and_numbers_near(
 @pytest.mark.slow
 def test_the_tutorial_followed_in_an_empty_folder_shows_what_it_says(tmp_path: Path) -> None:
     for block, shown, printed in followed(tmp_path):
-        assert agrees(shown, printed), f"{block.place}:\n{printed}"
+        assert not shown or agrees(shown, printed), f"{block.place}:\n{printed}"
     assert PAGE.read_text(encoding="utf-8").count("```console") > 6
     assert {"messages.csv", "mine.json"} <= {path.name for path in tmp_path.iterdir()}
     figures = tmp_path / "out" / "mine" / "figures"
