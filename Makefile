@@ -95,13 +95,13 @@ $(VENV)/.node: requirements-node.lock $(VENV)/.runtime
 # Needs uv; nothing else here does.
 lock:
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-		pyproject.toml --group build -o requirements.lock
+		pyproject.toml --group build --extra network -o requirements.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 		pyproject.toml --group dev -o requirements-dev.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 		pyproject.toml --group fuzz -o requirements-fuzz.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-		pyproject.toml --group build --extra node -c requirements-dev.lock -o requirements-node.lock
+		pyproject.toml --group build --extra network --extra node -c requirements-dev.lock -o requirements-node.lock
 
 clean:
 	rm -rf $(VENV) out build dist
