@@ -163,10 +163,20 @@ def stopped_by_signals(duration_s: float) -> "asyncio.Event":
     ----------
     duration_s
         The time [s]; 0 for none.
+
+    Raises
+    ------
+    ConfigError
+        On Windows, whose event loop watches neither signals nor datagram sockets as nodes need it.
     """
     import asyncio
     import signal
+    import sys
 
+    from modelcast.core.exceptions import ConfigError
+
+    if sys.platform == "win32":
+        raise ConfigError("nodes and servers run on Linux and macOS, not on Windows")
     stop, loop = asyncio.Event(), asyncio.get_running_loop()
     for one in (signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(one, stop.set)
