@@ -149,13 +149,13 @@ def cruise(
             seed=seed,
         )
         with atomic_folder(out, command="cruise", shown=f"--out {out}") as folder:
-            with counted("runs", quiet=quiet or json) as progress:
+            with counted("runs", quiet=quiet) as progress:
                 result = run_cruise(settings, bank=named, progress=progress)
             summary, _ = write_cruise(result, folder, options=options)
             text = summary.read_text(encoding="utf-8")
             lines = "\n".join(cruise_lines(result.rows))
             (folder / "table.md").write_text(lines + "\n", encoding="utf-8", newline="\n")
-            with busy("drawing", quiet=quiet or json), style():
+            with busy("drawing", quiet=quiet), style():
                 plot_cruise(result).savefig(folder / "cruise.png", metadata={"Software": None})
     except ValueError as error:
         raise ConfigError(str(error)) from error
