@@ -45,8 +45,8 @@ def capacity(
 
     Each radio, policy, threshold and limit has a bisection of its own; densities that are run for one limit
     serve the others. Errors are those of pairs 50 m to 150 m apart, of which 95 % must be tracked. Writes
-    runs/, summary.json, capacity.parquet, table.md, capacity.png and capacity.svg. Runs that are done are
-    kept, also where the command was interrupted.
+    runs/, summary.json, capacity.parquet, table.md, the figure capacity as PNG, SVG and PDF. Runs that are
+    done are kept, also where the command was interrupted.
 
     Parameters
     ----------

@@ -23,8 +23,8 @@ def compare(
 ) -> int:
     """Compare banks and rules on the same trips: messages, bytes and tracking error at equal rate.
 
-    Writes summary.json, table.md, comparison.png, comparison.svg, messages.parquet, tracking.parquet and
-    run.json.
+    Writes summary.json, table.md, the figure comparison as PNG, SVG and PDF, messages.parquet,
+    tracking.parquet and run.json.
 
     Parameters
     ----------

@@ -45,7 +45,8 @@ def cruise(
 
     What followers believe of the vehicle ahead and of the leader drives them, and what they drive is what
     they say next. Counts how a disturbance grows along the platoon, the least gap, collisions, comfort,
-    messages and airtime, against loss. Writes summary.json, runs.parquet, table.md and cruise.png.
+    messages and airtime, against loss. Writes summary.json, runs.parquet, table.md and the figure
+    cruise as PNG, SVG and PDF.
 
     Parameters
     ----------
@@ -111,6 +112,7 @@ def cruise(
     from modelcast.io.output import atomic_folder
     from modelcast.report.cruise import cruise_lines, cruise_report
     from modelcast.report.figures.cruise import plot_cruise
+    from modelcast.report.figures.files import drawn, write_drawings
     from modelcast.report.style import style
     from modelcast.runtime.platoon.drive import DriveSettings
     from modelcast.study.cruise.run import run_cruise
@@ -156,7 +158,7 @@ def cruise(
             lines = "\n".join(cruise_lines(result.rows))
             (folder / "table.md").write_text(lines + "\n", encoding="utf-8", newline="\n")
             with busy("drawing", quiet=quiet), style():
-                plot_cruise(result).savefig(folder / "cruise.png", metadata={"Software": None})
+                write_drawings([drawn("cruise", plot_cruise(result))], folder)
     except ValueError as error:
         raise ConfigError(str(error)) from error
     if json:

@@ -76,8 +76,8 @@ def network(
         What the devices of pedestrians and cyclists do.
     film
         Film a meeting of the first run: somebody comes from behind a building, and what the host of a vehicle
-        believes of them; with --roadside without the units and with them. Writes film.png, film.svg and
-        film.parquet.
+        believes of them; with --roadside without the units and with them. Writes the figure film as PNG,
+        SVG and PDF, and film.parquet.
     trace
         Folder for the traces of all runs, a folder each: positions, transmissions, receptions and what
         expired, row by row, the warm-up too. Runs done before are run again.
