@@ -131,7 +131,8 @@ def test_a_link_to_nothing_is_told(project: Project, tmp_path: Path) -> None:
 
 def test_notebooks_and_programs_become_pages(project: Project, tmp_path: Path) -> None:
     root = project("", docs__a="[n](../n.ipynb) [p](../p.py)")
-    cells = '{"cells": [{"cell_type": "markdown", "source": ["# Title"]}, {"cell_type": "code", "source": ["1 + 1"]}]}'
+    prose = '{"cell_type": "markdown", "source": ["# Title"]}'
+    cells = f'{{"cells": [{prose}, {{"cell_type": "code", "source": ["1 + 1"]}}]}}'
     (root / "n.ipynb").write_text(cells)
     (root / "p.py").write_text("print()\n")
     out = tmp_path / "out"

@@ -146,8 +146,8 @@ def capacity(
         plan, tuple(radio), tuple(policy), limits,
         bounds_per_km=(lowest, highest), ratio=ratio, seeds=seeds,
     )  # fmt: skip
-    with counted("runs", quiet=quiet or json) as progress:
-        found = search(asked, out, jobs=jobs_in_use(jobs), progress=progress)
+    with counted("runs", quiet=quiet) as progress:
+        found = search(asked, out, jobs=jobs_in_use(jobs), progress=lambda done: progress(done, None))
     if json:
         say_json(capacity_document(found, asked.as_plain()))
     elif not quiet:

@@ -87,7 +87,7 @@ def compare(
             training_trips=known,
             foreign=options.foreign,
         )
-        with busy("writing the report", quiet=silent):
+        with busy("writing the report", quiet=quiet):
             write_comparison(result, folder)
             write_comparison_report(result, folder)
     if json:

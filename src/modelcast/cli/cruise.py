@@ -153,13 +153,13 @@ def cruise(
             seed=seed,
         )
         with atomic_folder(out, command="cruise", shown=f"--out {out}") as folder:
-            with counted("runs", quiet=quiet or json) as progress:
+            with counted("runs", quiet=quiet) as progress:
                 result = run_cruise(settings, bank=named, progress=progress)
             summary, _ = write_cruise(result, folder, options=options)
             text = summary.read_text(encoding="utf-8")
             lines = "\n".join(cruise_lines(result.rows))
             (folder / "table.md").write_text(lines + "\n", encoding="utf-8", newline="\n")
-            with busy("drawing", quiet=quiet or json), style():
+            with busy("drawing", quiet=quiet), style():
                 write_drawings([drawn("cruise", plot_cruise(result))], folder)
     except ValueError as error:
         raise ConfigError(str(error)) from error

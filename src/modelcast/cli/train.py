@@ -151,7 +151,7 @@ def train(
             trips = all_trips(source, paths, "one fit is made to all of them", quiet=silent)
             if not trips:
                 raise ConfigError("; ".join(("no usable trip", *source.skipped_lines())))
-            with staged(quiet=silent) as progress:
+            with staged(quiet=quiet) as progress:
                 trained = _trained(profile, trips, add, settings, progress)
             file.write(trained.text.encode("utf-8"))
     except ValueError as error:
