@@ -11,7 +11,7 @@ import pytest
 import modelcast
 from modelcast.cli.app import run
 from modelcast.cli.evaluate_options import EvaluateOptions
-from modelcast.study.rules import BASELINES
+from modelcast.study.rules import RIVALS
 
 POLICY = """from dataclasses import dataclass
 
@@ -120,7 +120,7 @@ def test_rows_console_report_and_trace_name_the_policy_that_decides(
     told = capsys.readouterr().out
     summary = json.loads((out / "summary.json").read_text())
     assert {row["policy"] for row in summary["rates"]} == {WORD, "baseline"}
-    assert {row["policy"] for row in summary["tracking"]} == {WORD, *BASELINES}
+    assert {row["policy"] for row in summary["tracking"]} == {WORD, *RIVALS}
     assert set(pl.read_parquet(out / "events.parquet")["policy"].unique()) == {WORD, "baseline"}
     rate_hz = {row["policy"]: row["total_rate_hz"] for row in summary["rates"] if row["trip"] == "all"}
     assert rate_hz[WORD] == pytest.approx(2.0, abs=0.05)

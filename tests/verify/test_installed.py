@@ -1,4 +1,4 @@
-"""Sdist and wheel hold what they should; an installation outside of this checkout works on every Python here."""
+"""Sdist and wheel hold what they should; an installation outside of this checkout works on each Python."""
 
 import json
 import re
