@@ -294,3 +294,23 @@ def test_the_table_of_extras_is_that_of_the_package() -> None:
     assert "needs eclipse-sumo and libsumo: pip install 'modelcast[sumo]'" in str(
         MissingExtraError("It", "sumo")
     )
+
+
+def test_the_demo_writes_drives_that_other_commands_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Again over its own, with other seeds; never over what it did not write."""
+    folder = tmp_path / "trips"
+    assert run(["demo", "--trips", str(folder), "--duration", "90", "--quiet"]) == 0
+    first = (folder / "drive-2.csv").read_bytes()
+    assert run(["demo", "--trips", str(folder), "--duration", "90", "--seed", "1"]) == 0
+    assert (folder / "drive-1.csv").read_bytes() == first.replace(b"drive-2", b"drive-1")
+    assert run(["trips", str(folder), "--json", "--quiet"]) == 0
+    shown = capsys.readouterr().out
+    assert "6 generated drives of 90 s" in shown
+    found = json.loads(shown.partition("drive-6.csv\n")[2])
+    assert [one["trip_id"] for one in found["trips"]] == [f"drive-{number}" for number in range(1, 7)]
+    assert not found["skipped"]
+    (folder / "mine.csv").write_text("t,x,y\n")
+    assert run(["demo", "--trips", str(folder), "--duration", "90"]) == 2
+    assert (folder / "mine.csv").exists()
