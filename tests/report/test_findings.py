@@ -86,7 +86,7 @@ def test_mbc_is_told_at_its_first_use(make_result: Make) -> None:
         )
         for name, schema in renamed.items()
     }
-    assert "soon (a policy of MBC, model-based communication:" in findings(replace(foreign, **tables))[0]
+    assert "soon (a policy for model-based communication:" in findings(replace(foreign, **tables))[0]
 
 
 @pytest.mark.parametrize(

@@ -94,7 +94,7 @@ def findings(result: EvaluationResult) -> list[str]:
 
 def _found(result: EvaluationResult, lines: Sequence[Headline]) -> str:
     sender = sender_label(result)
-    named = f"{sender} ({_MODELS})" if sender == "MBC" else f"{sender} (a policy of MBC, {_MODELS})"
+    named = f"{sender} ({_MODELS})" if sender == "MBC" else f"{sender} (a policy for {_MODELS})"
     held = ((_BASELINE, [line.ratio for line in lines]), (_FREE, [line.free_ratio for line in lines]))
     counted = [(name, _numbers(ratios)) for name, ratios in held]
     sent = [
