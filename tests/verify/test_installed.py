@@ -31,7 +31,7 @@ assert np.allclose(read.position_m, trip.position_m, atol=1e-3)
 settings = modelcast.EvaluationSettings((0.5,), (0.0,), seeds=1, bank=modelcast.PAPER_BANK)
 result = modelcast.evaluate(read, settings)
 assert {{"mbc", "baseline"}} <= set(result.rates["policy"])
-core = modelcast.BsmCore.from_values({{"message_count": 7, "temporary_id": 1, "speed_mps": 12.345}})
+core = modelcast.BsmCore.from_values({{"message_count": 7, "temporary_id": 1, "yaw_rate_radps": 0.0}})
 assert modelcast.decode_bsm(modelcast.encode_bsm(core)).core == core
 assert modelcast.default_profile().identity
 print("all is well")
