@@ -30,6 +30,8 @@ def node(
 ) -> int:
     """Run a station on the road: measure, send, hear, keep the map, warn.
 
+    For example: `modelcast node --gnss trip:drive.csv --dashboard`
+
     Frames go out as UDP multicast on this machine alone, unless the configuration says otherwise. What
     happens is written to the standard error, a line of JSON each. Ends by SIGTERM or Ctrl-C.
 
@@ -157,6 +159,8 @@ async def _run(live: "LiveNode", duration_s: float) -> None:
 def stopped_by_signals(duration_s: float) -> "asyncio.Event":
     """What is set by SIGTERM, by Ctrl-C, or after a time; to be called in a running loop.
 
+    SIGTERM is how a service is stopped; Ctrl-C is noted, so that the command ends as interrupted.
+
     Parameters
     ----------
     duration_s
@@ -171,13 +175,19 @@ def stopped_by_signals(duration_s: float) -> "asyncio.Event":
     import signal
     import sys
 
+    from modelcast.cli.signals import take
     from modelcast.core.exceptions import ConfigError
 
     if sys.platform == "win32":
         raise ConfigError("nodes and servers run on Linux and macOS, not on Windows")
     stop, loop = asyncio.Event(), asyncio.get_running_loop()
-    for one in (signal.SIGTERM, signal.SIGINT):
-        loop.add_signal_handler(one, stop.set)
+
+    def interrupted() -> None:
+        take(signal.SIGINT)
+        stop.set()
+
+    loop.add_signal_handler(signal.SIGTERM, stop.set)
+    loop.add_signal_handler(signal.SIGINT, interrupted)
     if duration_s:
         loop.call_later(duration_s, stop.set)
     return stop

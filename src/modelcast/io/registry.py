@@ -104,7 +104,7 @@ def detect_format(path: str | Path) -> str:
         str(path),
         "no reader knows this " + ("folder" if at.is_dir() else "file"),
         remedy=_map_for(head)
-        + f"Name its format: {', '.join(reader_names())}; csv and parquet also take a column map.",
+        or f"Name its format: {', '.join(reader_names())}; csv and parquet also take a column map.",
     )
 
 
@@ -115,4 +115,4 @@ def _map_for(head: bytes) -> str:
     if len(names) < 3 or not all(name.isprintable() and any(map(str.isalpha, name)) for name in names):
         return ""
     columns = ", ".join(names)
-    return f"As a table of the columns {columns} it takes a column map, for example {example_map(names)}. "
+    return f"As a table of the columns {columns} it takes a column map, for example {example_map(names)}."
