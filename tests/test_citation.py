@@ -2,12 +2,12 @@
 
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
 import yaml
 
-ROOT = Path(__file__).parent.parent
+from verify.installing import ROOT, uv
+
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 CHANGES = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 
@@ -33,7 +33,5 @@ def test_what_is_supported_is_what_is_released() -> None:
 
 @pytest.mark.slow
 def test_the_citation_is_valid_by_its_schema() -> None:
-    from verify.installing import uv
-
     tool = ("tool", "run", "--quiet", "--from", "cffconvert==2.0.0", "cffconvert")
     assert "are valid" in uv(*tool, "--validate", "--infile", ROOT / "CITATION.cff")
