@@ -34,11 +34,17 @@ PATIENCE_MS = 30_000
 _MORE_TABS = 30
 """Stops of the Tab key beyond the controls of a page, as of boxes that scroll."""
 
+_MOST_LEFT = 2
+"""Times the focus may leave the page: at its end, and where nothing on it had the focus first."""
+
 _SHOWN_FAULTS = 5
 """Places that a fault is told for."""
 
-_AXE_OPTIONS = {"resultTypes": ["violations"], "rules": {"target-size": {"enabled": True}}}
-"""All rules that axe runs by itself, best practice among them, and the size of what a finger is to hit."""
+_AXE_OPTIONS = {"resultTypes": ["violations"], "rules": {"target-size": {"enabled": True}}, "preload": False}
+"""All rules that axe runs by itself, best practice among them, and the size of what a finger is to hit.
+
+Without preloading axe asks for no style sheet: it takes addresses in them for addresses in the page.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,11 +177,14 @@ def _keyboard(page: "Page") -> list[str]:
     """Press Tab until it comes round; return controls it never reached, and focus that does not show."""
     names: list[str] = page.evaluate(_CONTROLS)
     reached = set[int]()
+    left = 0
     found: list[str] = []
     for _ in range(len(names) + _MORE_TABS):
         page.keyboard.press("Tab")
         at, name, fault = page.evaluate(_FOCUSED)
-        if at in reached or (not name and reached):
+        # Behind the last control the focus leaves the page once, and comes back to the first.
+        left += not name
+        if at in reached or left > _MOST_LEFT:
             break
         if at >= 0:
             reached.add(at)
@@ -216,7 +225,9 @@ _CONTROLS = f"""() => {{
   const first = (one) => one.type !== "radio" || !one.name || one === (
     document.querySelector(`input[type=radio][name="${{CSS.escape(one.name)}}"]:checked`)
     || document.querySelector(`input[type=radio][name="${{CSS.escape(one.name)}}"]`));
+  const modal = document.querySelector("dialog:modal");
   const shown = (one) => {{
+    if (modal && !modal.contains(one)) return false;
     const box = one.getBoundingClientRect();
     return one.tabIndex >= 0 && !one.disabled && !one.closest("[inert]") && box.width > 0 && box.height > 0
       && one.checkVisibility({{ visibilityProperty: true }}) && first(one);
@@ -237,7 +248,7 @@ _FOCUSED = f"""() => {{
   const at = controls.indexOf(one);
   const style = getComputedStyle(one);
   const outlined = style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 1
-    && !/, 0\\)$/.test(style.outlineColor);
+    && !/^rgba.*, 0\\)$/.test(style.outlineColor);
   const box = one.getBoundingClientRect();
   const inside = box.bottom > 0 && box.right > 0 && box.top < innerHeight && box.left < innerWidth;
   const shows = outlined || (at >= 0 && look(one) !== before[at]);

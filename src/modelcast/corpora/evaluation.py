@@ -23,6 +23,7 @@ from modelcast.io.record_files import RecordFiles
 from modelcast.study.context import reads_context
 from modelcast.study.evaluate import evaluate_trip
 from modelcast.study.gathered import Gathered, Illustration
+from modelcast.study.play import played_ratio
 from modelcast.study.recording import HeldRecords
 from modelcast.study.result import EvaluationResult
 from modelcast.study.settings import EvaluationSettings
@@ -171,7 +172,10 @@ def _drawn(corpus: Corpus, gathered: Gathered, settings: EvaluationSettings) -> 
         wanted = settings.map_at[0]
     if wanted is None:
         return None
-    alone = replace(settings, packet_error_ratios=(), references=False)
+    ratio = played_ratio(settings)
+    alone = replace(
+        settings, packet_error_ratios=() if ratio is None else (ratio,), seeds=1, references=False
+    )
     for partition in corpus.partitions:
         if wanted not in corpus.catalogue(partition)["trip"].to_pylist():
             continue
