@@ -35,6 +35,8 @@ def coverage(
 ) -> int:
     """Calibrate each sub-model's covariance, and count errors of other trips inside its ellipses.
 
+    For example: `modelcast coverage monday.csv tuesday.csv`
+
     Every file is tested with what the other files taught, or all with what --train taught. A bank that starts
     in hindsight, as default and regimes do, is counted as a hybrid too. Writes coverage.json and
     the figures coverage and times as PNG, SVG and PDF.
@@ -112,7 +114,7 @@ def coverage(
         with atomic_folder(out, command="coverage", shown=f"--out {out}") as folder:
             groups = _cases(tested, settings, quiet=quiet or json)
             training = _cases(taught, settings, quiet=quiet or json) if train else {}
-            with counted("trips", quiet=quiet or json) as progress:
+            with counted("trips", quiet=quiet) as progress:
                 result = measure_coverage(
                     groups,
                     members,
@@ -133,7 +135,7 @@ def coverage(
             )
             path = write_coverage(document, folder)
             text = path.read_text(encoding="utf-8")
-            with busy("drawing", quiet=quiet or json):
+            with busy("drawing", quiet=quiet):
                 write_coverage_figures(result, folder)
     except ValueError as error:
         raise ConfigError(str(error)) from error
