@@ -119,15 +119,15 @@ $(VENV)/.docs: requirements-docs.lock $(VENV)/.runtime
 # Needs uv; nothing else here does.
 lock:
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-		pyproject.toml --group build -o requirements.lock
+		pyproject.toml --group build --extra network -o requirements.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 		pyproject.toml --group dev -o requirements-dev.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 		pyproject.toml --group fuzz -o requirements-fuzz.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-		pyproject.toml --group build --extra node -c requirements-dev.lock -o requirements-node.lock
+		pyproject.toml --group build --extra network --extra node -c requirements-dev.lock -o requirements-node.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-		pyproject.toml --group build --group docs --extra node -c requirements-dev.lock -o requirements-docs.lock
+		pyproject.toml --group build --group docs --extra network --extra node -c requirements-dev.lock -o requirements-docs.lock
 
 clean:
 	rm -rf $(VENV) out build dist

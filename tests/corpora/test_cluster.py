@@ -154,6 +154,5 @@ def test_without_the_extra_one_line_names_it(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.delitem(sys.modules, ClusterExecutor.__module__)
     with pytest.raises(MissingExtraError) as missing:
         ExecutorOptions(cluster="local:2").executor()
-    assert str(missing.value) == (
-        "--cluster needs cryptography and distributed: pip install 'modelcast[cluster]'"
-    )
+    assert str(missing.value).startswith("--cluster needs cryptography and distributed: ")
+    assert str(missing.value).endswith(" install cryptography distributed")

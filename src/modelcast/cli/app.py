@@ -13,46 +13,18 @@ from collections.abc import Generator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, Group
 
+from modelcast.cli.command_list import COMMAND_GROUPS, COMMANDS, FIRST_STEPS, list_commands
 from modelcast.cli.signals import INTERRUPTED, TERMINATED, Terminated, taken
-from modelcast.cli.terminal import complain, refused
+from modelcast.cli.terminal import complain, say
+from modelcast.cli.usage import usage_problem
 from modelcast.core.exceptions import ModelcastError, ModelcastWarning
 
 __all__ = ["BROKEN_PIPE", "COMMANDS", "USAGE", "run"]
 
 USAGE = 2
 BROKEN_PIPE = 141
-
-COMMANDS = (
-    "demo",
-    "evaluate",
-    "compare",
-    "reproduce",
-    "trips",
-    "convert",
-    "ingest",
-    "coverage",
-    "network",
-    "safety",
-    "cruise",
-    "capacity",
-    "mixed",
-    "train",
-    "profile",
-    "road",
-    "decode",
-    "encode",
-    "node",
-    "serve",
-    "prepare",
-    "credentials",
-    "demo-live",
-    "view",
-    "replay",
-    "doctor",
-)
-"""Names of the commands; each is what has that name in the module of that name, imported when used."""
 
 _ATTENDED = frozenset(COMMANDS) - {"node", "serve", "demo-live", "view", "replay", "decode", "encode"}
 """Those whose progress is shown from beginning to end; the others run on, or are done at once."""
@@ -69,14 +41,21 @@ app = App(
     help="Model-based communication for V2X: message rates and tracking on real trips.",
     version=_version,
     exit_on_error=False,
-    print_error=True,
-    error_formatter=refused,
+    print_error=False,
     result_action="return_value",
     suppress_keyboard_interrupt=False,
 )
-for _name in COMMANDS:
-    _module = _name.replace("-", "_")
-    app.command(f"modelcast.cli.{_module}:{_module}", name=_name)
+_OTHERS = Group("Options", sort_key=len(COMMAND_GROUPS))
+for _place, (_title, _lines) in enumerate(COMMAND_GROUPS.items()):
+    _group = Group(_title, sort_key=_place, help_formatter=list_commands)
+    for _order, _name in enumerate(_lines):
+        _module = _name.replace("-", "_")
+        app.command(f"modelcast.cli.{_module}:{_module}", name=_name, group=_group, sort_key=_order)
+app.register_install_completion_command(
+    help="Complete commands and options in this shell by the tab key.", group=_OTHERS
+)
+for _flag in (*app.help_flags, *app.version_flags):
+    app[_flag].group = _OTHERS
 
 
 def run(arguments: Sequence[str]) -> int:
@@ -87,6 +66,10 @@ def run(arguments: Sequence[str]) -> int:
     arguments
         The words after ``modelcast``.
     """
+    if not arguments:
+        for line in FIRST_STEPS.splitlines():
+            say(line)
+        return 0
     try:
         code = _run(arguments)
     except KeyboardInterrupt as error:
@@ -100,9 +83,8 @@ def _run(arguments: Sequence[str]) -> int:
         with _warnings_told(), _attended(arguments):
             code = app(list(arguments))
         sys.stdout.flush()
-    except CycloptsError:  # already shown, with the usage
-        if "-" in arguments:
-            complain("only decode and encode read the standard input: write it into a file and name that")
+    except CycloptsError as error:
+        complain(usage_problem(error, arguments))
         return USAGE
     except (BrokenPipeError, SystemExit) as error:
         # rich leaves with SystemExit where nobody reads what it prints.

@@ -43,6 +43,8 @@ def capacity(
 ) -> int:
     """Find the vehicles a kilometre up to which limits hold: p99 of errors, or missed warnings.
 
+    For example: `modelcast capacity --policy j2945 j2945-mbc`
+
     Each radio, policy, threshold and limit has a bisection of its own; densities that are run for one limit
     serve the others. Errors are those of pairs 50 m to 150 m apart, of which 95 % must be tracked. Writes
     runs/, summary.json, capacity.parquet, table.md, the figure capacity as PNG, SVG and PDF. Runs that are

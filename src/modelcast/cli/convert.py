@@ -18,6 +18,8 @@ def convert(
 ) -> int:
     """Write recorded trips as one table that modelcast, or any data-frame library, reads back.
 
+    For example: `modelcast convert drive.gpx --out drive.parquet`
+
     Parameters
     ----------
     paths

@@ -35,6 +35,8 @@ def coverage(
 ) -> int:
     """Calibrate each sub-model's covariance, and count errors of other trips inside its ellipses.
 
+    For example: `modelcast coverage monday.csv tuesday.csv`
+
     Every file is tested with what the other files taught, or all with what --train taught. A bank that starts
     in hindsight, as default and regimes do, is counted as a hybrid too. Writes coverage.json and
     the figures coverage and times as PNG, SVG and PDF.

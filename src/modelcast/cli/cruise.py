@@ -43,6 +43,8 @@ def cruise(
 ) -> int:
     """Drive platoons by cooperative adaptive cruise control, in a closed loop with what they hear.
 
+    For example: `modelcast cruise --leader braking --loss 0 0.4`
+
     What followers believe of the vehicle ahead and of the leader drives them, and what they drive is what
     they say next. Counts how a disturbance grows along the platoon, the least gap, collisions, comfort,
     messages and airtime, against loss. Writes summary.json, runs.parquet, table.md and the figure

@@ -17,6 +17,8 @@ def demo(
 ) -> int:
     """Evaluate a generated drive, with GPS and CAN as a sender sees them: no data needed.
 
+    For example: `modelcast demo --out out/demo`
+
     With --trips: evaluate nothing, and write six drives as CSV files instead, to try other commands on.
 
     Parameters

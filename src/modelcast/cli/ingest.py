@@ -29,6 +29,8 @@ def ingest(
 ) -> int:
     """Make a corpus: recorded trips of any number as Parquet files by vehicle, with a catalogue.
 
+    For example: `modelcast ingest recordings/ --out corpus`
+
     A run that was interrupted goes on where it stopped: give the same command again. A file that cannot be
     read is reported and gives no trips; the others do.
 

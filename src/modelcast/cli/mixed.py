@@ -26,6 +26,8 @@ def mixed(
 ) -> int:
     """Run fleets in which some vehicles send by one policy and some by another, and read in three ways.
 
+    For example: `modelcast mixed --policy baseline mbc --penetration 0 50 100`
+
     A third of the vehicles each reads messages as legacy receivers do (constant velocity), as free ones (Part
     I by constant turn rate and acceleration), and by the models. Writes what 'modelcast network' writes, and
     pairings.parquet, penetration.parquet, pairings.md and the penetration map; with --application every host

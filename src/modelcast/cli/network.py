@@ -38,6 +38,8 @@ def network(
 ) -> int:
     """Run fleets on a shared channel: traffic moves, senders decide, messages contend, receivers track.
 
+    For example: `modelcast network --density 25 100 --policy j2945 j2945-mbc`
+
     Writes runs/, summary.json, runs.parquet, distances.parquet, outcomes.parquet, seconds.parquet, table.md,
     report.html and its figures, and with --application the tables of warnings, all at once when the last run
     is done. Runs that are done are kept, also where the command was interrupted: it can be called again with

@@ -30,6 +30,8 @@ def node(
 ) -> int:
     """Run a station on the road: measure, send, hear, keep the map, warn.
 
+    For example: `modelcast node --gnss trip:drive.csv --dashboard`
+
     Frames go out as UDP multicast on this machine alone, unless the configuration says otherwise. What
     happens is written to the standard error, a line of JSON each. Ends by SIGTERM or Ctrl-C.
 
@@ -163,12 +165,21 @@ def stopped_by_signals(duration_s: float) -> "asyncio.Event":
     ----------
     duration_s
         The time [s]; 0 for none.
+
+    Raises
+    ------
+    ConfigError
+        On Windows, whose event loop watches neither signals nor datagram sockets as nodes need it.
     """
     import asyncio
     import signal
+    import sys
 
     from modelcast.cli.signals import take
+    from modelcast.core.exceptions import ConfigError
 
+    if sys.platform == "win32":
+        raise ConfigError("nodes and servers run on Linux and macOS, not on Windows")
     stop, loop = asyncio.Event(), asyncio.get_running_loop()
 
     def interrupted() -> None:

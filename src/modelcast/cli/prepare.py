@@ -16,6 +16,8 @@ __all__ = ["prepare", "rehearsed"]
 def prepare(config: Path | None = None) -> int:
     """Compile what a node runs and keep it, so that its first step is not late.
 
+    For example: `modelcast prepare`
+
     A node is rehearsed for a few seconds on a made-up clock and without sockets. Done once, it takes a minute
     or two; done again, some seconds. Where compiled code cannot be kept, that is an error: every start would
     take as long.

@@ -36,6 +36,8 @@ def safety(
 ) -> int:
     """Warn of the vehicle ahead by its messages, against the same application with perfect knowledge.
 
+    For example: `modelcast safety platoon.csv --threshold 0.2`
+
     Every vehicle of a platoon is a host, the one ahead of it the sender. Writes runs/, summary.json,
     pooled.parquet, events.parquet, table.md, report.html, its figures and run.json. Recordings that are
     scored are kept, also where the command was interrupted.

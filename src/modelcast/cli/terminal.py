@@ -11,7 +11,7 @@ from modelcast.core.printable import printable
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-__all__ = ["beside", "complain", "error_console", "refused", "say", "say_json", "show"]
+__all__ = ["beside", "complain", "error_console", "say", "say_json", "show"]
 
 _Aside = Callable[[], AbstractContextManager[None]]
 _asides: list[_Aside] = []
@@ -73,19 +73,6 @@ def say_json(document: object, *, sort: bool = True) -> None:
     """
     with _room():
         print(json.dumps(document, indent=2, sort_keys=sort))
-
-
-def refused(error: Exception) -> "RenderableType":
-    """Return what is shown of arguments that the command line does not take.
-
-    Parameters
-    ----------
-    error
-        What is wrong with them; it quotes them.
-    """
-    from cyclopts.panel import CycloptsPanel
-
-    return CycloptsPanel("\n".join(map(printable, str(error).splitlines())))
 
 
 def show(*tables: "RenderableType") -> None:

@@ -44,6 +44,8 @@ def train(
 ) -> int:
     """Train a profile: the sub-models of its bank, calibrations, and how often each would speak.
 
+    For example: `modelcast train monday.csv tuesday.csv --out mine.json`
+
     The bank is free-predictive, which states in a plain message what predicts longest, and free, where not
     said otherwise. The file is canonical JSON; its SHA-256 is the profile's identity. Use it with --bank
     FILE. Needs the extra train (JAX and optax). The same trips, options and package versions give the same
@@ -240,6 +242,7 @@ def _require_addable(add: tuple[str, ...], modes: int, **unused: object) -> None
 def _require_trainable(names: tuple[str, ...]) -> None:
     """Refuse members before hours of training that no profile could hold."""
     from modelcast.cli.banks import profile_in_use
+    from modelcast.core.near_names import near
     from modelcast.models.sub_models import names_registered
     from modelcast.station.banks import member_names
     from modelcast.study.training.profile import MOST_NAMES
@@ -251,6 +254,7 @@ def _require_trainable(names: tuple[str, ...]) -> None:
         if name not in known and not name.startswith("gp-regime-") and not names_registered(name)
     ]
     if unknown:
-        raise ValueError(f"--bank: no sub-model is named {unknown[0]}; there are {', '.join(known)}")
+        meant = near(unknown[0], known)
+        raise ValueError(f"--bank: no sub-model is named {unknown[0]}{meant}; there are {', '.join(known)}")
     if len(names) > MOST_NAMES:
         raise ValueError(f"--bank names at most {MOST_NAMES} sub-models, got {len(names)}")

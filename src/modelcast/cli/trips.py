@@ -22,6 +22,8 @@ def trips(
 ) -> int:
     """Show each trip's duration, rate, gaps, grid, held values, noise, manoeuvres, skipped and odd samples.
 
+    For example: `modelcast trips drive.csv`
+
     With --rank: count the manoeuvres of each trip, and order the trips by them.
 
     Parameters

@@ -23,6 +23,8 @@ def view(
 ) -> int:
     """Show what a host believed on a page in the browser: a recording, a log of snapshots, or a made drive.
 
+    For example: `modelcast view --demo`
+
     Parameters
     ----------
     log

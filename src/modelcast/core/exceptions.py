@@ -17,7 +17,7 @@ Mistakes of a caller of the Python interface are plain ``ValueError``.
 
 from typing import Any
 
-from modelcast.core.extras import EXTRAS
+from modelcast.core.extras import EXTRAS, install_command
 
 __all__ = [
     "CodecError",
@@ -133,4 +133,4 @@ class MissingExtraError(ModelcastError):
     def __init__(self, what: str, extra: str) -> None:
         own = tuple(EXTRAS[extra].packages)
         packages = " and ".join(own) if len(own) <= _MOST_NAMED else f"the packages of the extra {extra}"
-        super().__init__(f"{what} needs {packages}: pip install 'modelcast[{extra}]'")
+        super().__init__(f"{what} needs {packages}: {install_command(own)}")

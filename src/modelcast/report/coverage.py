@@ -1,4 +1,4 @@
-"""Coverage in the terminal and as figures: shares inside the ellipses, and expected against observed times."""
+"""Coverage in the terminal and as figures: shares inside ellipses, and expected against observed times."""
 
 from math import isnan
 from pathlib import Path

@@ -118,7 +118,8 @@ def playback_caption(result: EvaluationResult) -> str:
         f"{centimetres(playback.threshold_m)} and with the keep-alive of the loss runs. Grey: the true path "
         "and the vehicle; in colour: where each receiver believes it to be"
         + (", with the same losses for all" if several else "")
-        + ". Marks beside the path and below the errors are messages, hollow where lost. "
+        + ". The axis of the errors is straight up to two thresholds and logarithmic beyond. "
+        "Marks beside the path and below the errors are messages, hollow where lost. "
         f"{_beyond(playback)}{left_out} Space plays; drag to zoom the errors, click to go to a time."
     )
 
