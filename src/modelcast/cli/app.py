@@ -5,6 +5,7 @@ bad input or no usable trip; 3 some trips failed, the rest is complete; 130 inte
 output stopped reading.
 """
 
+import errno
 import os
 import sys
 import warnings
@@ -20,6 +21,15 @@ from modelcast.cli.usage import usage_problem
 from modelcast.core.exceptions import ModelcastError, ModelcastWarning
 
 __all__ = ["BROKEN_PIPE", "COMMANDS", "INTERRUPTED", "USAGE", "run"]
+
+_REMEDIES = {
+    errno.ENOENT: ". Check the path.",
+    errno.EACCES: ". Name a place that you may read and write.",
+    errno.ENOSPC: ". Make room, or name another place; nothing was kept.",
+    errno.EROFS: ". Name another place.",
+    errno.EADDRINUSE: ". Another program listens there: end it, or name another port.",
+}
+"""What to do, by what the operating system refused."""
 
 USAGE = 2
 INTERRUPTED = 130
@@ -107,7 +117,8 @@ def _warnings_told() -> Generator[None]:
 
 
 def _place_and_reason(error: OSError) -> str:
-    return f"{error.filename or 'a file'}: {error.strerror or error}"
+    remedy = _REMEDIES.get(error.errno or 0, "")
+    return f"{error.filename or 'a file'}: {error.strerror or error}{remedy}"
 
 
 def _stop_printing() -> int:

@@ -150,7 +150,7 @@ def train(
         with atomic_file(out, inputs=paths, shown=f"--out {out}") as file:
             trips = all_trips(source, paths, "one fit is made to all of them", quiet=silent)
             if not trips:
-                raise ConfigError("; ".join(("no usable trip", *source.skipped_lines())))
+                raise ConfigError("no usable trip")
             with staged(quiet=silent) as progress:
                 trained = _trained(profile, trips, add, settings, progress)
             file.write(trained.text.encode("utf-8"))

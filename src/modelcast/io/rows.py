@@ -215,7 +215,8 @@ def make_trip(
             path,
             f"time of {trip_id} does not increase: {t_s[at]} after {t_s[at - 1]}",
             row=int(rows.line[at]),
-            remedy="Sort the file by vehicle and time and leave one row per time.",
+            remedy="Sort the file by vehicle and time and leave one row per time; of several vehicles, name "
+            "the column that tells them apart (--columns with vehicle=NAME).",
         )
     try:
         return build_trajectory(

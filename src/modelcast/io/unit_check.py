@@ -11,11 +11,37 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.io.rows import Rows
 from modelcast.trips.trajectory import GAP_STEPS
 
-__all__ = ["refuse_other_unit"]
+__all__ = ["refuse_long_steps", "refuse_other_unit"]
 
 _LARGEST_RATIO = 300.0
 """No error of a receiver or a vehicle is that large over a trip; the next unit is 1000 times off."""
 _MOVING_MPS = 1.0
+_LONGEST_STEP_S = 15.0
+"""Steps of milliseconds at 50 Hz and less, taken for seconds, are longer; nobody sees a turn by such."""
+_FEWEST_ROWS = 10
+
+
+def refuse_long_steps(path: str, rows: Rows) -> None:
+    """Raise `DataFormatError` where the usual step is too long for any recording of a motion.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows
+        One vehicle's rows with ``t_s``.
+    """
+    if len(rows) < _FEWEST_ROWS:
+        return
+    step_s = float(np.median(np.diff(rows.columns["t_s"])))
+    if step_s > _LONGEST_STEP_S:
+        raise DataFormatError(
+            path,
+            f"its rows are {step_s:g} s apart, too far to follow a vehicle's motion",
+            row=int(rows.line[0]),
+            remedy="If the times are in milliseconds or microseconds, map the column by its unit: "
+            "--columns with t_ms=NAME or t_us=NAME.",
+        )
 
 
 def refuse_other_unit(path: str, rows: Rows, time: str) -> None:

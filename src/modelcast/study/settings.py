@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, asdict, dataclass, field, replace
+from numbers import Integral
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -154,6 +155,8 @@ class EvaluationSettings:
     decided_by: str = ""
 
     def __post_init__(self) -> None:
+        require_type("seeds", self.seeds, Integral, remedy="give a whole number")
+        require_type("seed", self.seed, Integral, remedy="give a whole number")
         require_type("bank", self.bank, Bank, remedy='give modelcast.bank_from_text("cv") or its like')
         require_type("thresholds_m", self.thresholds_m, Sequence, remedy=_SEVERAL)
         require_type("packet_error_ratios", self.packet_error_ratios, Sequence, remedy=_SEVERAL)
