@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo demo-live test verify check bench bench-paired mutate fuzz paper validate soak setup setup-dev lock clean same
+.PHONY: demo demo-live docs test test-only verify check lint types bench bench-paired mutate fuzz paper validate soak setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -13,18 +13,32 @@ DEMO_LIVE_ARGUMENTS ?=
 demo-live: $(VENV)/.node
 	$(BIN)/modelcast demo-live $(DEMO_LIVE_ARGUMENTS)
 
-test: check
-	$(BIN)/python -m pytest -n auto
+# The documentation site, out/site/index.html; a broken link, a page in no menu or a docstring that does not parse ends it.
+docs: $(VENV)/.docs
+	$(BIN)/python tools/website/build.py
+
+# Bytecode is kept whatever the environment says: tests start hundreds of interpreters, most of which would else be
+# compiling modelcast's sources. pyright is one process that waits for nobody, so it runs beside the tests.
+test verify: export PYTHONDONTWRITEBYTECODE :=
+test: lint
+	$(MAKE) --no-print-directory --jobs=2 types test-only
+
+test-only: setup-dev
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 # What is slow: a wheel installed, upgraded and run, processes that race on a cold cache.
 verify: setup-dev
-	$(BIN)/python -m pytest -n auto -m slow tests
+	$(BIN)/python -m pytest -n auto --dist worksteal -m slow tests
 
-check: setup-dev
+check: lint types
+
+lint: setup-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pyright
 	$(BIN)/lint-imports
+
+types: setup-dev
+	$(BIN)/pyright
 
 bench: setup-dev
 	$(BIN)/python benchmarks/run_all.py
@@ -92,16 +106,22 @@ $(VENV)/.node: requirements-node.lock $(VENV)/.runtime
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-node.lock
 	touch $@
 
+$(VENV)/.docs: requirements-docs.lock $(VENV)/.runtime
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-docs.lock
+	touch $@
+
 # Needs uv; nothing else here does.
 lock:
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-		pyproject.toml --group build -o requirements.lock
+		pyproject.toml --group build --extra network -o requirements.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 		pyproject.toml --group dev -o requirements-dev.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 		pyproject.toml --group fuzz -o requirements-fuzz.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-		pyproject.toml --group build --extra node -c requirements-dev.lock -o requirements-node.lock
+		pyproject.toml --group build --extra network --extra node -c requirements-dev.lock -o requirements-node.lock
+	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
+		pyproject.toml --group build --group docs --extra network --extra node -c requirements-dev.lock -o requirements-docs.lock
 
 clean:
 	rm -rf $(VENV) out build dist

@@ -22,6 +22,12 @@ def name_of(path: Path) -> str:
     return path.relative_to(PACKAGE).with_suffix("").as_posix().replace("/", ".")
 
 
+@pytest.fixture(scope="module")
+def trees() -> dict[str, ast.Module]:
+    """Every module of the package by its name, parsed once."""
+    return {name_of(path): ast.parse(path.read_text(encoding="utf-8")) for path in MODULES}
+
+
 def test_every_public_name_can_be_imported_and_is_listed() -> None:
     names = [name for name in dir(modelcast) if not name.startswith("_")]
     assert set(names) >= PROMISED
@@ -84,40 +90,68 @@ def test_importing_pulls_in_no_heavy_library_and_prints_nothing(module: str) -> 
     assert (ended.stdout.strip(), ended.stderr) == ("", "")
 
 
-@pytest.mark.parametrize("path", MODULES, ids=name_of)
-def test_nothing_inside_the_package_imports_from_its_top(path: Path) -> None:
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom):
-            assert node.level == 0, "absolute imports only"
-            assert node.module != "modelcast"
-        if isinstance(node, ast.Import):
-            assert "modelcast" not in {alias.name for alias in node.names}
+def imports_of_the_top(tree: ast.Module) -> list[str]:
+    """Imports that go through the package's own front door, or that are relative."""
+    return [
+        ast.unparse(node)
+        for node in ast.walk(tree)
+        if (isinstance(node, ast.ImportFrom) and (node.level or node.module == "modelcast"))
+        or (isinstance(node, ast.Import) and "modelcast" in {alias.name for alias in node.names})
+    ]
 
 
-@pytest.mark.parametrize("path", [path for path in MODULES if path.name != "__init__.py"], ids=name_of)
-def test_every_module_states_what_it_offers_and_has_it(path: Path) -> None:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+def test_nothing_inside_the_package_imports_from_its_top(trees: dict[str, ast.Module]) -> None:
+    found = {name: imports_of_the_top(tree) for name, tree in trees.items()}
+    assert {name: imports for name, imports in found.items() if imports} == {}
+
+
+def faults_of_offer(tree: ast.Module) -> list[str]:
+    """What is wrong with a module's `__all__` and its docstring."""
     offered = [
         ast.literal_eval(node.value)
         for node in tree.body
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
     ]
-    assert len(offered) == 1
+    if len(offered) != 1:
+        return [f"states __all__ {len(offered)} times"]
     kinds = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
     defined = {node.name for node in tree.body if isinstance(node, kinds)}
     for node in tree.body:
         targets = node.targets if isinstance(node, ast.Assign) else []
         targets = [node.target] if isinstance(node, ast.AnnAssign) else targets
         defined |= {item.id for target in targets for item in ast.walk(target) if isinstance(item, ast.Name)}
-    assert set(offered[0]) <= defined
-    assert len(set(offered[0])) == len(offered[0])
-    assert ast.get_docstring(tree)
+    faults = [f"does not define {name}" for name in offered[0] if name not in defined]
+    if len(set(offered[0])) != len(offered[0]):
+        faults.append("offers a name twice")
+    return faults if ast.get_docstring(tree) else [*faults, "has no docstring"]
 
 
-@pytest.mark.parametrize("path", MODULES, ids=name_of)
-def test_kernels_live_in_kernel_modules_and_nothing_else_compiles(path: Path) -> None:
-    text = path.read_text(encoding="utf-8")
-    decorated = re.search(r"(?m)^@kernel\b", text) is not None
-    assert not decorated or path.stem.endswith("_kernels")
-    compiles = re.search(r"(?<!jax\.)\b(njit|cfunc|vectorize|guvectorize|jit)\b\(?", text)
-    assert not compiles or path.name == "kernel.py"
+def test_every_module_states_what_it_offers_and_has_it(trees: dict[str, ast.Module]) -> None:
+    found = {name: faults_of_offer(tree) for name, tree in trees.items() if not name.endswith("__init__")}
+    assert {name: faults for name, faults in found.items() if faults} == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ('"""One."""\n__all__ = ["a"]\na: int = 1\n', []),
+        ('"""One."""\na = 1\n', ["states __all__ 0 times"]),
+        ('"""One."""\n__all__ = ["a", "b"]\na = 1\n', ["does not define b"]),
+        ('"""One."""\n__all__ = ["a", "a"]\na = 1\n', ["offers a name twice"]),
+        ('__all__ = ["a"]\ndef a(): ...\n', ["has no docstring"]),
+    ],
+)
+def test_a_module_that_offers_wrongly_is_told(text: str, fault: list[str]) -> None:
+    assert faults_of_offer(ast.parse(text)) == fault
+
+
+def test_kernels_live_in_kernel_modules() -> None:
+    decorated = {path for path in MODULES if re.search(r"(?m)^@kernel\b", path.read_text(encoding="utf-8"))}
+    assert len(decorated) > 1
+    assert {name_of(path) for path in decorated if not path.stem.endswith("_kernels")} == set()
+
+
+def test_nothing_but_the_kernel_decorator_compiles() -> None:
+    compiling = re.compile(r"(?<!jax\.)\b(njit|cfunc|vectorize|guvectorize|jit)\b\(?")
+    found = [name_of(path) for path in MODULES if compiling.search(path.read_text(encoding="utf-8"))]
+    assert [name for name in found if name.rpartition(".")[2] != "kernel"] == []

@@ -352,8 +352,10 @@ def __getattr__(name: str) -> Any:
     if name == "__version__":
         return importlib.import_module("modelcast.core.version").package_version()
     if name not in _HOMES:
+        now = importlib.import_module("modelcast.core.renamed").RENAMED.get(name)
         near = importlib.import_module("modelcast.core.near_names").near
-        raise AttributeError(f"module 'modelcast' has no attribute {name!r}{near(name, _HOMES)}")
+        became = f": since 0.2.0 it is {now} (docs/upgrading.md)" if now else near(name, _HOMES)
+        raise AttributeError(f"module 'modelcast' has no attribute {name!r}{became}")
     return getattr(importlib.import_module(f"modelcast.{_HOMES[name]}"), name)
 
 

@@ -5,7 +5,7 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ import pytest
 from modelcast.cli.app import run
 from modelcast.io.trips import read_trips
 from modelcast.io.write_trips import write_csv
+from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.trajectory import Trajectory, build_trajectory
 from modelcast.world.drive import generate_drive
 
@@ -419,7 +420,12 @@ def test_the_demo_needs_no_data(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert run(["demo", "--duration", "90", "--out", str(tmp_path / "demo")]) == 0
     assert "MBC" in capsys.readouterr().out
     assert {"summary.json", "report.html"} <= names(tmp_path / "demo")
-    assert json.loads((tmp_path / "demo" / "summary.json").read_text())["trips"][0]["source"] == "generated"
+    summary = json.loads((tmp_path / "demo" / "summary.json").read_text())
+    assert summary["trips"][0]["source"] == "generated"
+    drive = generate_drive(seed=0, duration_s=90.0)
+    assert summary["settings"]["protocol"] == "sensor"
+    assert summary["settings"]["sensor"] == asdict(drive.sensor)
+    assert drive.sensor != EvaluationSettings().sensor
 
 
 def test_a_demo_too_short_is_bad_usage(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

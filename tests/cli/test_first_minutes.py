@@ -1,6 +1,5 @@
 """The first five minutes: bad files, default folders, interrupts, pipes, help, doctor, progress."""
 
-import io
 import json
 import os
 import subprocess
@@ -13,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from modelcast.cli import installation, kernel_cache
-from modelcast.cli.app import BROKEN_PIPE, COMMANDS, INTERRUPTED, run
-from modelcast.cli.progress import busy, counted
+from modelcast.cli.app import BROKEN_PIPE, COMMANDS, run
+from modelcast.cli.signals import INTERRUPTED
 from modelcast.core.exceptions import MissingExtraError
 from modelcast.core.extras import EXTRAS
 from modelcast.io.csv import CsvReader
@@ -128,7 +127,8 @@ def test_an_interrupt_ends_with_130_and_one_line(
     for command in ("trips", "convert", "evaluate", "compare", "coverage"):
         out = [] if command == "trips" else ["--out", str(tmp_path / "out.csv")]
         assert run([command, str(folder), *out]) == INTERRUPTED
-        assert capsys.readouterr().err == "modelcast: interrupted\n"
+        left = "" if command in {"trips", "compare"} else f"; {' '.join(out)} is not written"
+        assert capsys.readouterr().err == f"modelcast: interrupted{left}\n"
     assert [path.name for path in tmp_path.iterdir()] == ["trips"]
 
 
@@ -165,34 +165,6 @@ def test_help_imports_no_heavy_library(command: str) -> None:
     )
     words = [command] if command else []
     subprocess.run([sys.executable, "-c", script, *words], check=True, capture_output=True)  # noqa: S603
-
-
-class Watched(io.StringIO):
-    """A standard error that somebody watches."""
-
-    def isatty(self) -> bool:
-        """It is one."""
-        return True
-
-
-def test_progress_is_shown_where_somebody_watches_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    shown: dict[str, str] = {}
-    for name, stream, quiet in (
-        ("watched", Watched(), False),
-        ("piped", io.StringIO(), False),
-        ("quiet", Watched(), True),
-    ):
-        monkeypatch.setattr(sys, "stderr", stream)
-        with busy("drawing", quiet=quiet):
-            pass
-        with counted("trips", quiet=quiet) as progress:
-            progress(1, 2)
-        shown[name] = stream.getvalue()
-    assert "drawing" in shown["watched"]
-    assert "1/2" in shown["watched"]
-    assert shown["piped"] == shown["quiet"] == ""
 
 
 def test_doctor_finds_this_installation_well(
@@ -294,3 +266,23 @@ def test_the_table_of_extras_is_that_of_the_package() -> None:
     told = str(MissingExtraError("It", "sumo"))
     assert told.startswith("It needs eclipse-sumo and libsumo: ")
     assert told.endswith(" install eclipse-sumo libsumo")
+
+
+def test_the_demo_writes_drives_that_other_commands_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Again over its own, with other seeds; never over what it did not write."""
+    folder = tmp_path / "trips"
+    assert run(["demo", "--trips", str(folder), "--duration", "90", "--quiet"]) == 0
+    first = (folder / "drive-2.csv").read_bytes()
+    assert run(["demo", "--trips", str(folder), "--duration", "90", "--seed", "1"]) == 0
+    assert (folder / "drive-1.csv").read_bytes() == first.replace(b"drive-2", b"drive-1")
+    assert run(["trips", str(folder), "--json", "--quiet"]) == 0
+    shown = capsys.readouterr().out
+    assert "6 generated drives of 90 s" in shown
+    found = json.loads(shown.partition("drive-6.csv\n")[2])
+    assert [one["trip_id"] for one in found["trips"]] == [f"drive-{number}" for number in range(1, 7)]
+    assert not found["skipped"]
+    (folder / "mine.csv").write_text("t,x,y\n")
+    assert run(["demo", "--trips", str(folder), "--duration", "90"]) == 2
+    assert (folder / "mine.csv").exists()

@@ -50,7 +50,7 @@ def test_a_file_keeps_no_more_cells_than_asked_for(trips: Path, tmp_path: Path) 
         (["build", "TRIPS", "--out", "roads.parquet", "--cells", "0"], "--cells must be"),
         (["show"], "name one road file"),
         (["show", "TRIPS"], "no road file"),
-        (["show", "TRIPS", "--out", "roads.svg"], "end it in .png"),
+        (["show", "TRIPS", "--out", "roads.gif"], "end it in .png, .svg or .pdf"),
     ],
 )
 def test_wrong_use_is_refused(

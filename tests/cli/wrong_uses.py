@@ -74,8 +74,8 @@ _TEXTS: Mapping[str, str] = {
     "marks.csv": _table("t_s;east_m;north_m", lambda k: f"{k / 10:.1f};{k},5;0"),
     "backwards.csv": _table(_HEAD, lambda k: _plain(60 - k)),
     "two_cars.csv": _table(_HEAD, lambda k: _plain(k // 2)),
-    "milliseconds.csv": _table(_HEAD, lambda k: f"{100 * k},{2 * k},0"),
-    "microseconds.csv": _table(_HEAD, lambda k: f"{100000 * k},{2 * k},0"),
+    "milliseconds.csv": _table("t,east_m,north_m", lambda k: f"{100 * k},{2 * k},0"),
+    "microseconds.csv": _table("t,east_m,north_m", lambda k: f"{100000 * k},{2 * k},0"),
     "unix_ms.csv": _table(_HEAD, lambda k: f"{1700000000000 + 100 * k},{2 * k},0"),
     "swapped.csv": _geodetic(-83.7, 42.3),
     "swapped_japan.csv": _geodetic(139.7, 35.7),
@@ -124,7 +124,13 @@ GROUPS: Mapping[str, tuple[WrongUse, ...]] = {
         _use(
             "An empty file", "evaluate empty.csv", "empty.csv", "is empty", remedy="Check that it is complete"
         ),
-        _use("A header without rows", "evaluate header.csv", "header.csv", "no rows", remedy="that it is complete"),
+        _use(
+            "A header without rows",
+            "evaluate header.csv",
+            "header.csv",
+            "no rows",
+            remedy="that it is complete",
+        ),
         _use(
             "A folder without trips",
             "evaluate nothing",
@@ -167,7 +173,7 @@ GROUPS: Mapping[str, tuple[WrongUse, ...]] = {
             "Unknown names of columns",
             "trips strange.csv",
             "stamp, px, py",
-            remedy="--columns 't=stamp,east=px,",
+            remedy="--columns 't=stamp,east=?",
         ),
         _use(
             "Two columns of one name",
@@ -201,8 +207,8 @@ GROUPS: Mapping[str, tuple[WrongUse, ...]] = {
             "does not increase",
             remedy="one row per time",
         ),
-        _use("Milliseconds as seconds", "trips milliseconds.csv", "100 s apart", remedy="t_ms="),
-        _use("Microseconds as seconds", "trips microseconds.csv", "100000 s apart", remedy="t_us="),
+        _use("Milliseconds as seconds", "trips milliseconds.csv", "grows by 100", remedy="t_ms=t"),
+        _use("Microseconds as seconds", "trips microseconds.csv", "grows by 100000", remedy="t_ms=t"),
         _use("Unix times in milliseconds", "trips unix_ms.csv", "row 2", "1700000000000", remedy="t_ms=t_s"),
         _use(
             "Latitude and longitude swapped",
@@ -394,7 +400,7 @@ GROUPS: Mapping[str, tuple[WrongUse, ...]] = {
             "Training",
             "train good.csv --out mine.json",
             "modelcast train",
-            remedy="install jax optax",
+            remedy="install jax optax scipy",
             absent="jax",
         ),
         _use("The page of a node", "view --demo", "the page", remedy="install cantools", absent="starlette"),

@@ -6,17 +6,27 @@ import os
 import subprocess
 import sys
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+from unittest.mock import patch
 
 from tests.cli.wrong_uses import GROUPS, WrongUse
 
 from modelcast.cli.app import run
+from modelcast.cli.board import PROGRESS_VARIABLE
 from modelcast.core.exceptions import ModelcastWarning
 
 __all__ = ["PAGE", "Answer", "answered", "page"]
 
 PAGE = Path(__file__).parents[2] / "docs" / "wrong-uses.md"
+
+_IMPORTED_AT_ONCE = frozenset({"starlette"})
+"""Modules that others import at their top, so that only a new process lacks them."""
+
+_NO_PROGRESS = {PROGRESS_VARIABLE: "none"}
+"""A slow machine would show some."""
 
 _WITHOUT = """
 import sys
@@ -53,25 +63,46 @@ def answered(use: WrongUse, folder: Path) -> Answer:
     folder
         Where its files are.
     """
-    if use.absent:
+    if use.absent in _IMPORTED_AT_ONCE:
         ended = subprocess.run(  # noqa: S603 - our own interpreter and text
             [sys.executable, "-c", _WITHOUT, use.absent, *use.words],
-            cwd=folder, capture_output=True, text=True, check=False,
+            cwd=folder, capture_output=True, text=True, check=False, env={**os.environ, **_NO_PROGRESS},
         )  # fmt: skip
-        return Answer(ended.returncode, ended.stdout, ended.stderr.replace(sys.executable, "python"))
-    out, err, before = io.StringIO(), io.StringIO(), Path.cwd()
-    os.chdir(folder)
+        return _told(ended.returncode, ended.stdout, ended.stderr)
+    out, err = io.StringIO(), io.StringIO()
+    with (
+        contextlib.chdir(folder),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+        patch.dict(os.environ, _NO_PROGRESS),
+        _without(use.absent),
+        warnings.catch_warnings(),
+    ):
+        warnings.simplefilter("always", ModelcastWarning)  # tests make errors of them
+        code = run(use.words)
+    return _told(code, out.getvalue(), err.getvalue())
+
+
+@contextlib.contextmanager
+def _without(module: str) -> Iterator[None]:
+    """Have a module not installed; what else is imported meanwhile stays."""
+    if not module:
+        yield
+        return
+    missing = object()
+    before: Any = sys.modules.get(module, missing)
+    sys.modules[module] = None  # type: ignore[assignment]
     try:
-        with (
-            contextlib.redirect_stdout(out),
-            contextlib.redirect_stderr(err),
-            warnings.catch_warnings(),
-        ):
-            warnings.simplefilter("always", ModelcastWarning)  # tests make errors of them
-            code = run(use.words)
+        yield
     finally:
-        os.chdir(before)
-    return Answer(code, out.getvalue(), err.getvalue().replace(f"{folder.resolve()}{os.sep}", ""))
+        if before is missing:
+            del sys.modules[module]
+        else:
+            sys.modules[module] = before
+
+
+def _told(code: int, out: str, err: str) -> Answer:
+    return Answer(code, out, err.replace(sys.executable, "python"))
 
 
 _HEAD = """\

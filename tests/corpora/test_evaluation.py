@@ -11,7 +11,7 @@ import pytest
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.corpora import evaluation
-from modelcast.corpora.evaluation import EvaluateJob, evaluate_corpus, gather_parts
+from modelcast.corpora.evaluation import EvaluateJob, gather_parts, reduce_evaluation
 from modelcast.corpora.evaluation_tables import read_tables, write_tables_of
 from modelcast.corpora.executors.base import AbstractExecutor
 from modelcast.corpora.executors.here import HereExecutor
@@ -75,6 +75,13 @@ def alone(corpora: Callable[[int], Corpus]) -> EvaluationResult:
     return evaluate(corpus.trips(corpus.partitions[0]), SETTINGS)
 
 
+def evaluated(
+    corpus: Corpus, settings: EvaluationSettings, results: Path, executor: AbstractExecutor
+) -> EvaluationResult:
+    """What the parts of all partitions give together."""
+    return reduce_evaluation(corpus, settings, run_job(corpus, EvaluateJob(settings), results, executor))
+
+
 def drawn(result: EvaluationResult) -> list[Any]:
     """What figures draw, in a form that compares."""
     assert result.timeline is not None
@@ -95,7 +102,7 @@ def test_it_is_the_evaluation_of_the_trips_to_the_last_bit(
 ) -> None:
     corpus = corpora(partitions)
     assert len(corpus.partitions) > 1 or partitions == 1
-    found = evaluate_corpus(corpus, SETTINGS, tmp_path / "work", executor)
+    found = evaluated(corpus, SETTINGS, tmp_path / "work", executor)
     assert summary_document(found) == summary_document(alone)
     assert drawn(found) == drawn(alone)
     assert list(found.failures) == [SHORT]
@@ -105,7 +112,7 @@ def test_its_tables_are_one_data_set(
     corpora: Callable[[int], Corpus], alone: EvaluationResult, tmp_path: Path
 ) -> None:
     """Rows of all trips, messages and samples, whichever partition they are in."""
-    evaluate_corpus(corpora(2), SETTINGS, tmp_path, HereExecutor())
+    evaluated(corpora(2), SETTINGS, tmp_path, HereExecutor())
     rates, events, samples = (
         pl.read_parquet(tmp_path / "parts" / "*" / f"{name}.parquet")
         for name in ("rates", "events", "samples")
@@ -124,7 +131,7 @@ def test_of_many_trips_only_pooled_rows_are_in_the_result(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(evaluation, "MOST_LISTED", 3)
-    result = evaluate_corpus(corpora(2), SETTINGS, tmp_path, HereExecutor())
+    result = evaluated(corpora(2), SETTINGS, tmp_path, HereExecutor())
     for name in ("rates", "references", "tracking"):
         pooled = [repr(row) for row in getattr(alone, name) if row.trip == "all"]
         assert [repr(row) for row in getattr(result, name)] == pooled
@@ -158,14 +165,14 @@ def test_parts_of_the_same_settings_are_kept_and_others_made_anew(
 
 def test_the_map_of_a_trip_asked_for(corpora: Callable[[int], Corpus], tmp_path: Path) -> None:
     asked = replace(SETTINGS, packet_error_ratios=(), map_at=("made/2", 40.0))
-    result = evaluate_corpus(corpora(2), asked, tmp_path, HereExecutor())
+    result = evaluated(corpora(2), asked, tmp_path, HereExecutor())
     assert result.manoeuvre is not None
     assert (result.manoeuvre.trip, result.manoeuvre.start_s) == (
         "made/2",
         pytest.approx(39.5),
     )  # half a second before
     with pytest.raises(ConfigError, match="no trip named made/9"):
-        evaluate_corpus(corpora(2), replace(asked, map_at=("made/9", 1.0)), tmp_path, HereExecutor())
+        evaluated(corpora(2), replace(asked, map_at=("made/9", 1.0)), tmp_path, HereExecutor())
 
 
 def test_a_trip_that_fails_costs_itself_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

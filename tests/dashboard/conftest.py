@@ -1,7 +1,6 @@
 """Fixtures of the page's tests: small snapshots laid out by hand."""
 
 import re
-import shutil
 from collections.abc import Callable
 from importlib.resources import files
 
@@ -62,16 +61,6 @@ def make_snapshot() -> MakeSnapshot:
         )
 
     return make
-
-
-@pytest.fixture(scope="session")
-def chromium() -> str:
-    """Path of a browser, or a skip."""
-    found = shutil.which("chromium")
-    if found is None:
-        pytest.skip("no chromium on this machine")
-    pytest.importorskip("playwright", reason="playwright is not installed")
-    return found
 
 
 @pytest.fixture(scope="session")

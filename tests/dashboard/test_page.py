@@ -18,15 +18,9 @@ from modelcast.dashboard.log import SnapshotLog, SnapshotLogWriter
 from modelcast.dashboard.server import listen, page_server
 from modelcast.dashboard.snapshot import Snapshot
 
+from ..verify.browser import opened_browser  # noqa: TID252 - tests are no package
+
 MakeSnapshot = Callable[..., Snapshot]
-ARGUMENTS = [
-    "--no-sandbox",
-    "--disable-background-networking",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-]
 NEAR = 4.0
 """Steps of 255 by which a colour on the screen may differ: the browser's own rounding."""
 
@@ -80,14 +74,10 @@ class Looked:
 
 
 @pytest.fixture(scope="module")
-def browser(chromium: str) -> Iterator[Any]:
-    """A headless Chromium."""
-    from playwright.sync_api import sync_playwright  # noqa: PLC0415 - where there is a browser
-
-    with sync_playwright() as engine:
-        opened = engine.chromium.launch(executable_path=chromium, args=ARGUMENTS)
+def browser() -> Iterator[Any]:
+    """A headless Chromium, or a skip."""
+    with opened_browser() as opened:
         yield opened
-        opened.close()
 
 
 @pytest.fixture

@@ -27,7 +27,7 @@ from textwrap import dedent
 __all__ = ["PAGES", "ROOT", "Block", "Printed", "blocks_of", "printed_by"]
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 _NOT_RUN = re.compile(r"<!-- not run: (.+) -->")
 _FILE = re.compile(r"<!-- file: (.+) -->")

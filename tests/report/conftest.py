@@ -26,12 +26,12 @@ POLICIES = (
     ("baseline-periodic", "total"),
     ("baseline-periodic", "update"),
 )
-VOID = {"meta", "img", "br"}
+VOID = {"input", "meta", "img", "br"}
 SCALE = {"mbc": 0.8, "baseline": 1.0, "baseline-matched": 1.1, "baseline-periodic": 1.5}
 
 
 class Page(HTMLParser):
-    """Tags in order, addresses they point to, and their text; elements must be closed in order."""
+    """Tags in order, addresses they point to, text, scripts and policy; elements must be closed in order."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -39,10 +39,19 @@ class Page(HTMLParser):
         self.tags: list[str] = []
         self.addresses: list[str] = []
         self.text = ""
+        self.scripts: list[str] = []
+        self.data: list[str] = []
+        self.policy = ""
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:  # noqa: D102
         self.tags.append(tag)
         self.addresses += [value or "" for name, value in attrs if name in {"src", "href", "data", "action"}]
+        given = dict(attrs)
+        if given.get("http-equiv") == "Content-Security-Policy":
+            self.policy = given["content"] or ""
+        if tag == "script":
+            (self.data if given.get("type") == "application/json" else self.scripts).append("")
+            self._filled = self.data if given.get("type") == "application/json" else self.scripts
         if tag not in VOID:
             self.open.append(tag)
 
@@ -50,7 +59,10 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data: str) -> None:  # noqa: D102
-        self.text += data
+        if self.open[-1:] == ["script"]:
+            self._filled[-1] += data
+        else:
+            self.text += data
 
 
 @pytest.fixture(scope="session")

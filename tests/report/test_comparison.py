@@ -261,7 +261,7 @@ def test_figure_and_tables_are_made_for(options: dict[str, tuple[str, ...]], tmp
     with style():
         plot_comparison(result).draw_without_rendering()
     paths = write_comparison_report(result, tmp_path)
-    assert [path.name for path in paths] == ["table.md", "comparison.png", "comparison.svg"]
+    assert [path.name for path in paths] == ["table.md", "comparison.png", "comparison.svg", "comparison.pdf"]
     Console(width=100, file=io.StringIO()).print(comparison_console(result))
 
 

@@ -20,6 +20,7 @@ from modelcast.report.figures import (
     write_figures,
 )
 from modelcast.report.figures.coverage import plot_coverage, plot_times
+from modelcast.report.figures.files import ENDINGS
 from modelcast.report.figures.trips import MOST_ROWS
 from modelcast.report.style import POLICY_COLOURS, style
 from modelcast.study.coverage import COVERAGE, FORMS, TIMES
@@ -216,12 +217,16 @@ def test_one_trip_without_pooled_rows_stands_for_all(make_result: Make) -> None:
 def test_files_are_the_same_twice_and_name_no_date(make_result: Make, tmp_path: Path) -> None:
     first = write_figures(make_result(), tmp_path / "a")
     second = write_figures(make_result(), tmp_path / "b")
-    assert len(first) == 2 * len(FIGURES)
+    assert len(first) == len(ENDINGS) * len(FIGURES)
     for one, other in zip(first, second, strict=True):
         assert one.read_bytes() == other.read_bytes()
-    svg = first[1].read_text(encoding="utf-8")
+    svg = next(path for path in first if path.suffix == ".svg").read_text(encoding="utf-8")
     assert "<dc:date>" not in svg
     assert "Matplotlib" not in svg
+    pdf = next(path for path in first if path.suffix == ".pdf").read_bytes()
+    assert pdf.startswith(b"%PDF")
+    for told in (b"CreationDate", b"Matplotlib", b"/Type3"):
+        assert told not in pdf
 
 
 def test_the_users_own_parameters_are_neither_used_nor_changed(

@@ -1,6 +1,7 @@
 """A wheel as users have it: installed, upgraded, removed and installed again; each runs its own code."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -45,7 +46,7 @@ def _source(tmp_path: Path) -> Path:
 def wheel_of(source: Path, version: str) -> str:
     project = source / "pyproject.toml"
     text = project.read_text(encoding="utf-8")
-    project.write_text(text.replace('version = "0.1.0"', f'version = "{version}"'), encoding="utf-8")
+    project.write_text(re.sub(r'(?m)^version = ".*"$', f'version = "{version}"', text), encoding="utf-8")
     out = source.parent / f"wheel-{version}"
     words = "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "-w", str(out), str(source)
     run(sys.executable, *words)

@@ -474,4 +474,10 @@ class AbstractRadio(abc.ABC, Generic[State]):
 
     @abc.abstractmethod
     def channel_busy_ratio(self, state: State) -> FloatArray:
-        """Busy share of the last full measuring window of every vehicle, 0..1, (V,)."""
+        """Busy share of the last full measuring window of every vehicle, 0..1, (V,).
+
+        Parameters
+        ----------
+        state
+            As `init` or `step` gave it.
+        """

@@ -2,25 +2,27 @@
 
 Exit codes: 0 done; 1 internal error (of doctor: something is broken; of replay: something differs); 2 usage,
 bad input or no usable trip; 3 some trips failed, the rest is complete; 130 interrupted; 141 whoever read the
-output stopped reading.
+output stopped reading; 143 ended by SIGTERM.
 """
 
 import errno
 import os
+import signal
 import sys
 import warnings
 from collections.abc import Generator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any
 
 from cyclopts import App, CycloptsError, Group
 
 from modelcast.cli.command_list import COMMAND_GROUPS, COMMANDS, FIRST_STEPS, list_commands
+from modelcast.cli.signals import INTERRUPTED, TERMINATED, Terminated, taken
 from modelcast.cli.terminal import complain, say
 from modelcast.cli.usage import usage_problem
 from modelcast.core.exceptions import ModelcastError, ModelcastWarning
 
-__all__ = ["BROKEN_PIPE", "COMMANDS", "INTERRUPTED", "USAGE", "run"]
+__all__ = ["BROKEN_PIPE", "COMMANDS", "USAGE", "run"]
 
 _REMEDIES = {
     errno.ENOENT: ". Check the path.",
@@ -32,8 +34,10 @@ _REMEDIES = {
 """What to do, by what the operating system refused."""
 
 USAGE = 2
-INTERRUPTED = 130
 BROKEN_PIPE = 141
+
+_ATTENDED = frozenset(COMMANDS) - {"node", "serve", "demo-live", "view", "replay", "decode", "encode"}
+"""Those whose progress is shown from beginning to end; the others run on, or are done at once."""
 
 
 def _version() -> str:
@@ -77,7 +81,16 @@ def run(arguments: Sequence[str]) -> int:
             say(line)
         return 0
     try:
-        with _warnings_told():
+        code = _run(arguments)
+    except KeyboardInterrupt as error:
+        return _interrupted(error)
+    return code if taken() is None else _interrupted(None)
+
+
+def _run(arguments: Sequence[str]) -> int:
+    """Run one command; an interrupt gets out."""
+    try:
+        with _warnings_told(), _attended(arguments):
             code = app(list(arguments))
         sys.stdout.flush()
     except CycloptsError as error:
@@ -90,12 +103,19 @@ def run(arguments: Sequence[str]) -> int:
         return _stop_printing()
     except (ModelcastError, OSError) as error:
         # Readers name their files themselves: what is left of OSError is a place that cannot be written.
-        complain(_place_and_reason(error) if isinstance(error, OSError) else error)
+        if taken() is None:  # else a library has made this of an interrupt
+            complain(_place_and_reason(error) if isinstance(error, OSError) else error)
         return USAGE
-    except KeyboardInterrupt:
-        complain("interrupted")
-        return INTERRUPTED
     return code if isinstance(code, int) else 0
+
+
+def _interrupted(error: BaseException | None) -> int:
+    """Say that the command was interrupted, and what is left of its work: the notes of the exception."""
+    terminated = isinstance(error, Terminated) or taken() == signal.SIGTERM
+    complain(
+        "; ".join(("ended by SIGTERM" if terminated else "interrupted", *getattr(error, "__notes__", ())))
+    )
+    return TERMINATED if terminated else INTERRUPTED
 
 
 @contextmanager
@@ -114,6 +134,15 @@ def _warnings_told() -> Generator[None]:
         yield
     finally:
         warnings.showwarning = shown
+
+
+def _attended(arguments: Sequence[str]) -> AbstractContextManager[None]:
+    """Show progress, where there is a command at work."""
+    if not arguments or arguments[0] not in _ATTENDED or {"--help", "-h"} & set(arguments):
+        return nullcontext()
+    from modelcast.cli.board import attended
+
+    return attended(quiet="--quiet" in arguments)
 
 
 def _place_and_reason(error: OSError) -> str:

@@ -47,8 +47,8 @@ def capacity(
 
     Each radio, policy, threshold and limit has a bisection of its own; densities that are run for one limit
     serve the others. Errors are those of pairs 50 m to 150 m apart, of which 95 % must be tracked. Writes
-    runs/, summary.json, capacity.parquet, table.md, capacity.png and capacity.svg. Runs that are done are
-    kept, also where the command was interrupted.
+    runs/, summary.json, capacity.parquet, table.md, the figure capacity as PNG, SVG and PDF. Runs that are
+    done are kept, also where the command was interrupted.
 
     Parameters
     ----------
@@ -146,8 +146,8 @@ def capacity(
         plan, tuple(radio), tuple(policy), limits,
         bounds_per_km=(lowest, highest), ratio=ratio, seeds=seeds,
     )  # fmt: skip
-    with counted("runs", quiet=quiet or json) as progress:
-        found = search(asked, out, jobs=jobs_in_use(jobs), progress=progress)
+    with counted("runs", quiet=quiet) as progress:
+        found = search(asked, out, jobs=jobs_in_use(jobs), progress=lambda done: progress(done, None))
     if json:
         say_json(capacity_document(found, asked.as_plain()))
     elif not quiet:

@@ -38,8 +38,8 @@ def coverage(
     For example: `modelcast coverage monday.csv tuesday.csv`
 
     Every file is tested with what the other files taught, or all with what --train taught. A bank that starts
-    in hindsight, as default and regimes do, is counted as a hybrid too. Writes coverage.json,
-    coverage.png and times.png.
+    in hindsight, as default and regimes do, is counted as a hybrid too. Writes coverage.json and
+    the figures coverage and times as PNG, SVG and PDF.
 
     Parameters
     ----------
@@ -89,9 +89,7 @@ def coverage(
     from modelcast.core.exceptions import ConfigError
     from modelcast.io.coverage import coverage_document, write_coverage
     from modelcast.io.output import atomic_folder
-    from modelcast.report.coverage import coverage_report
-    from modelcast.report.figures.coverage import plot_coverage, plot_times
-    from modelcast.report.style import style
+    from modelcast.report.coverage import coverage_report, write_coverage_figures
     from modelcast.report.training_trips import training_note
     from modelcast.station.policy.guard import unguarded
     from modelcast.study.coverage import Hybrid, measure_coverage
@@ -116,7 +114,7 @@ def coverage(
         with atomic_folder(out, command="coverage", shown=f"--out {out}") as folder:
             groups = _cases(tested, settings, quiet=quiet or json)
             training = _cases(taught, settings, quiet=quiet or json) if train else {}
-            with counted("trips", quiet=quiet or json) as progress:
+            with counted("trips", quiet=quiet) as progress:
                 result = measure_coverage(
                     groups,
                     members,
@@ -137,12 +135,8 @@ def coverage(
             )
             path = write_coverage(document, folder)
             text = path.read_text(encoding="utf-8")
-            with busy("drawing", quiet=quiet or json), style():
-                for name, figure in (
-                    ("coverage", plot_coverage(result.rows)),
-                    ("times", plot_times(result.times)),
-                ):
-                    figure.savefig(folder / f"{name}.png", metadata={"Software": None})
+            with busy("drawing", quiet=quiet):
+                write_coverage_figures(result, folder)
     except ValueError as error:
         raise ConfigError(str(error)) from error
     if json:

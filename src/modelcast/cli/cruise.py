@@ -47,7 +47,8 @@ def cruise(
 
     What followers believe of the vehicle ahead and of the leader drives them, and what they drive is what
     they say next. Counts how a disturbance grows along the platoon, the least gap, collisions, comfort,
-    messages and airtime, against loss. Writes summary.json, runs.parquet, table.md and cruise.png.
+    messages and airtime, against loss. Writes summary.json, runs.parquet, table.md and the figure
+    cruise as PNG, SVG and PDF.
 
     Parameters
     ----------
@@ -113,6 +114,7 @@ def cruise(
     from modelcast.io.output import atomic_folder
     from modelcast.report.cruise import cruise_lines, cruise_report
     from modelcast.report.figures.cruise import plot_cruise
+    from modelcast.report.figures.files import drawn, write_drawings
     from modelcast.report.style import style
     from modelcast.runtime.platoon.drive import DriveSettings
     from modelcast.study.cruise.run import run_cruise
@@ -151,14 +153,14 @@ def cruise(
             seed=seed,
         )
         with atomic_folder(out, command="cruise", shown=f"--out {out}") as folder:
-            with counted("runs", quiet=quiet or json) as progress:
+            with counted("runs", quiet=quiet) as progress:
                 result = run_cruise(settings, bank=named, progress=progress)
             summary, _ = write_cruise(result, folder, options=options)
             text = summary.read_text(encoding="utf-8")
             lines = "\n".join(cruise_lines(result.rows))
             (folder / "table.md").write_text(lines + "\n", encoding="utf-8", newline="\n")
-            with busy("drawing", quiet=quiet or json), style():
-                plot_cruise(result).savefig(folder / "cruise.png", metadata={"Software": None})
+            with busy("drawing", quiet=quiet), style():
+                write_drawings([drawn("cruise", plot_cruise(result))], folder)
     except ValueError as error:
         raise ConfigError(str(error)) from error
     if json:

@@ -83,7 +83,7 @@ def ingest(
         rate_hz=rate,
         memory_bytes=executor.worker_bytes,
     )
-    with rated(quiet=quiet or json, under_way=lambda: rows_under_way(out)) as watch:
+    with rated(quiet=quiet, under_way=lambda: rows_under_way(out)) as watch:
         made = run(
             found, out, partitions=partitions, thresholds_m=thresholds_m, executor=executor, watch=watch
         )

@@ -91,7 +91,7 @@ def mixed(
         asked,
         out,
         jobs=jobs_in_use(jobs),
-        watch=lambda: counted("runs", quiet=quiet or json),
+        watch=lambda: counted("runs", quiet=quiet),
         say=unsaid if quiet or json else say,
     )
     if json:

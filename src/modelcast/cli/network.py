@@ -78,8 +78,8 @@ def network(
         What the devices of pedestrians and cyclists do.
     film
         Film a meeting of the first run: somebody comes from behind a building, and what the host of a vehicle
-        believes of them; with --roadside without the units and with them. Writes film.png, film.svg and
-        film.parquet.
+        believes of them; with --roadside without the units and with them. Writes the figure film as PNG,
+        SVG and PDF, and film.parquet.
     trace
         Folder for the traces of all runs, a folder each: positions, transmissions, receptions and what
         expired, row by row, the warm-up too. Runs done before are run again.
@@ -129,7 +129,7 @@ def network(
         asked,
         out,
         jobs=jobs_in_use(jobs),
-        watch=lambda: counted("runs", quiet=quiet or json),
+        watch=lambda: counted("runs", quiet=quiet),
         say=unsaid if quiet or json else say,
     )
     if json:
@@ -174,12 +174,16 @@ def unsaid(_line: str) -> None:
 
 def survey(plan: "NetworkPlan") -> "TrafficSurvey | None":
     """What the traffic's file holds, where it is one; of a configuration of SUMO, its first run."""
+    from modelcast.cli.progress import busy
+
     if plan.from_sumo_config:
         from modelcast.cli.network_traffic import sumo_survey
 
-        return sumo_survey(plan, plan.seed)
+        with busy("running SUMO once, to see its traffic", quiet=False):
+            return sumo_survey(plan, plan.seed)
     if not plan.from_file:
         return None
     from modelcast.io.fcd import survey_fcd
 
-    return survey_fcd(plan.scenario, people=plan.persons)
+    with busy("reading the traffic", quiet=False):
+        return survey_fcd(plan.scenario, people=plan.persons)

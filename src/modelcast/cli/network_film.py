@@ -45,7 +45,7 @@ def find_meeting(plan: NetworkPlan, case: NetworkCase) -> Meeting:
 
 
 def write_film(plan: NetworkPlan, case: NetworkCase, meeting: Meeting, folder: Path) -> None:
-    """Run the case for the film, and write it: ``film.png``, ``film.svg`` and ``film.parquet``.
+    """Run the case for the film, and write it: the figure ``film`` as PNG, SVG and PDF, and ``film.parquet``.
 
     Parameters
     ----------

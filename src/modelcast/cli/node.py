@@ -162,17 +162,35 @@ async def _run(live: "LiveNode", duration_s: float) -> None:
 def stopped_by_signals(duration_s: float) -> "asyncio.Event":
     """What is set by SIGTERM, by Ctrl-C, or after a time; to be called in a running loop.
 
+    SIGTERM is how a service is stopped; Ctrl-C is noted, so that the command ends as interrupted.
+
     Parameters
     ----------
     duration_s
         The time [s]; 0 for none.
+
+    Raises
+    ------
+    ConfigError
+        On Windows, whose event loop watches neither signals nor datagram sockets as nodes need it.
     """
     import asyncio
     import signal
+    import sys
 
+    from modelcast.cli.signals import take
+    from modelcast.core.exceptions import ConfigError
+
+    if sys.platform == "win32":
+        raise ConfigError("nodes and servers run on Linux and macOS, not on Windows")
     stop, loop = asyncio.Event(), asyncio.get_running_loop()
-    for one in (signal.SIGTERM, signal.SIGINT):
-        loop.add_signal_handler(one, stop.set)
+
+    def interrupted() -> None:
+        take(signal.SIGINT)
+        stop.set()
+
+    loop.add_signal_handler(signal.SIGTERM, stop.set)
+    loop.add_signal_handler(signal.SIGINT, interrupted)
     if duration_s:
         loop.call_later(duration_s, stop.set)
     return stop

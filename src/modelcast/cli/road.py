@@ -37,7 +37,8 @@ def road(
     paths
         To build: files or folders with recorded trips, the earliest first. To show: one road file.
     out
-        To build: the .parquet to write. To show: the .png of the map; none is drawn where not given.
+        To build: the .parquet to write. To show: the .png, .svg or .pdf of the map; none is drawn where not
+        given.
     cells
         Most cells that a file keeps; those of the first trips give way.
     format
@@ -132,13 +133,14 @@ def _shown(path: Path, out: Path | None) -> "RoadSurvey":
     from modelcast.io.output import atomic_file
     from modelcast.io.road import read_roads
 
-    if out is not None and out.suffix != ".png":
-        raise ConfigError(f"--out {out}: end it in .png")
+    if out is not None and out.suffix not in (".png", ".svg", ".pdf"):
+        raise ConfigError(f"--out {out}: end it in .png, .svg or .pdf")
     survey = read_roads(path)
     if out is not None:
+        from modelcast.report.figures.files import drawn
         from modelcast.report.figures.road import plot_roads
         from modelcast.report.style import style
 
         with atomic_file(out, inputs=(path,), shown=f"--out {out}") as file, style():
-            plot_roads(survey).savefig(file, format="png", metadata={"Software": None})
+            file.write(drawn("roads", plot_roads(survey)).content(out.suffix))
     return survey

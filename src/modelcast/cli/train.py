@@ -113,6 +113,7 @@ def train(
     from modelcast.cli.reading import TripSource, require_paths
     from modelcast.cli.terminal import say, say_json, show
     from modelcast.core.exceptions import ConfigError
+    from modelcast.core.installed import require_installed
     from modelcast.io.output import atomic_file
     from modelcast.report.training import training_report
     from modelcast.station.banks import parts_of
@@ -121,6 +122,8 @@ def train(
     from modelcast.study.training.switching import FitSettings, SwitchingSettings
 
     require_paths(paths, "train")
+    if not (bank or add):
+        require_installed("modelcast train", "train")
     _require_addable(
         add,
         modes,
@@ -151,7 +154,7 @@ def train(
             trips = all_trips(source, paths, "one fit is made to all of them", quiet=silent)
             if not trips:
                 raise ConfigError("no usable trip")
-            with staged(quiet=silent) as progress:
+            with staged(quiet=quiet) as progress:
                 trained = _trained(profile, trips, add, settings, progress)
             file.write(trained.text.encode("utf-8"))
     except ValueError as error:

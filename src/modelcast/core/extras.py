@@ -46,8 +46,12 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
             "modelcast node, serve, view, replay, demo-live; signing and checking signatures from Python "
             "(modelcast.messages.security)",
         ),
+        "network": Extra(
+            MappingProxyType({"scipy": "scipy"}),
+            "fleets on simulated radios: modelcast network, capacity, mixed, cruise, safety",
+        ),
         "train": Extra(
-            MappingProxyType({"jax": "jax", "optax": "optax"}),
+            MappingProxyType({"jax": "jax", "optax": "optax", "scipy": "scipy"}),
             "modelcast train; modelcast compare --bank trained",
         ),
         "etsi": Extra(

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
 
-__all__ = ["PublicPackage", "summary_of"]
+__all__ = ["PublicPackage", "names_by_subject", "summary_of"]
 
 _PACKAGE = Path(__file__).parents[1]
 _SUBJECTS = {
@@ -39,6 +39,34 @@ class PublicPackage(ModuleType):
         """The text of the package, then its public names."""
         homes: Mapping[str, str] = self.__dict__["_HOMES"]
         return "\n".join([self.__dict__["__doc__"] or "", *_listing(homes)])
+
+
+def names_by_subject(homes: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:
+    """Yield each subject and its names by the alphabet, subjects in the order in which a user meets them.
+
+    Parameters
+    ----------
+    homes
+        The module that defines each name, without ``modelcast.``.
+
+    Raises
+    ------
+    LookupError
+        Where a name's layer has no subject.
+
+    Examples
+    --------
+    >>> list(names_by_subject({"Nr": "channel.nr", "Dsrc": "channel.dsrc", "Trips": "io.trips"}))
+    [('Files', ['Trips']), ('Channels', ['Dsrc', 'Nr'])]
+    """
+    layers = {name: home.partition(".")[0] for name, home in homes.items()}
+    for name, layer in layers.items():
+        if layer not in _SUBJECTS:
+            raise LookupError(f"{name} is of {layer}, which has no subject; known are {', '.join(_SUBJECTS)}")
+    for layer, subject in _SUBJECTS.items():
+        names = sorted(name for name, own in layers.items() if own == layer)
+        if names:
+            yield subject, names
 
 
 def summary_of(name: str, home: str) -> str:
@@ -86,9 +114,7 @@ def _text(node: ast.stmt, follows: ast.stmt | None, name: str) -> str | None:
 def _listing(homes: Mapping[str, str]) -> Iterator[str]:
     """The lines of the list."""
     width = max(map(len, homes))
-    for layer, subject in _SUBJECTS.items():
-        names = sorted(name for name, home in homes.items() if home.partition(".")[0] == layer)
-        if names:
-            yield from (subject, "-" * len(subject))
-            yield from (f"{name:{width}}  {summary_of(name, homes[name])}" for name in names)
-            yield ""
+    for subject, names in names_by_subject(homes):
+        yield from (subject, "-" * len(subject))
+        yield from (f"{name:{width}}  {summary_of(name, homes[name])}" for name in names)
+        yield ""

@@ -14,16 +14,16 @@ from typing import ClassVar
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.evaluation_tables import read_tables, trips_in, write_tables_of
-from modelcast.corpora.executors.base import AbstractExecutor
 from modelcast.corpora.executors.versions import worker_versions
 from modelcast.corpora.job import AbstractJob, TripFailures, read_failures
 from modelcast.corpora.layout import Corpus
-from modelcast.corpora.running import Outcome, Watch, run_job, watch_nothing
+from modelcast.corpora.running import Outcome
 from modelcast.io.documents import document_text, plain_value
 from modelcast.io.record_files import RecordFiles
 from modelcast.study.context import reads_context
 from modelcast.study.evaluate import evaluate_trip
 from modelcast.study.gathered import Gathered, Illustration
+from modelcast.study.play import played_ratio
 from modelcast.study.recording import HeldRecords
 from modelcast.study.result import EvaluationResult
 from modelcast.study.settings import EvaluationSettings
@@ -32,7 +32,6 @@ from modelcast.trips.trajectory import Trajectory
 __all__ = [
     "MOST_LISTED",
     "EvaluateJob",
-    "evaluate_corpus",
     "gather_parts",
     "reduce_evaluation",
 ]
@@ -111,40 +110,6 @@ class EvaluateJob(AbstractJob):
         write_tables_of(gathered, sharpest_mps2, folder)
 
 
-def evaluate_corpus(
-    corpus: Corpus,
-    settings: EvaluationSettings,
-    results: Path,
-    executor: AbstractExecutor,
-    *,
-    watch: Watch = watch_nothing,
-) -> EvaluationResult:
-    """Evaluate all trips of a corpus.
-
-    Parameters
-    ----------
-    corpus
-        The trips.
-    settings
-        What to do.
-    results
-        The results folder, as for `run_job`: parts that are there already are not made again.
-    executor
-        Where it is done.
-    watch
-        Told how far it is.
-
-    Raises
-    ------
-    ConfigError
-        As for `EvaluateJob` and `run_job`, and where no trip could be evaluated.
-    DataFormatError
-        Where the corpus or a part is damaged.
-    """
-    outcome = run_job(corpus, EvaluateJob(settings), results, executor, watch=watch)
-    return reduce_evaluation(corpus, settings, outcome)
-
-
 def reduce_evaluation(corpus: Corpus, settings: EvaluationSettings, outcome: Outcome) -> EvaluationResult:
     """What the parts hold as one result.
 
@@ -207,7 +172,10 @@ def _drawn(corpus: Corpus, gathered: Gathered, settings: EvaluationSettings) -> 
         wanted = settings.map_at[0]
     if wanted is None:
         return None
-    alone = replace(settings, packet_error_ratios=(), references=False)
+    ratio = played_ratio(settings)
+    alone = replace(
+        settings, packet_error_ratios=() if ratio is None else (ratio,), seeds=1, references=False
+    )
     for partition in corpus.partitions:
         if wanted not in corpus.catalogue(partition)["trip"].to_pylist():
             continue

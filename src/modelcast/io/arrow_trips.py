@@ -21,7 +21,7 @@ from modelcast.io.column_map import known_map
 from modelcast.io.reading_limits import MOST_NAME_BYTES
 from modelcast.io.rows import LARGEST, Rows, are_numbers
 from modelcast.io.table_trips import AbstractTable, TablePart
-from modelcast.io.time_column import TimeColumn, TimeUnit, holds_dates
+from modelcast.io.time_column import TimeColumn, TimeUnit, holds_times
 
 __all__ = ["PART_ROWS", "ArrowTable", "is_text"]
 
@@ -129,7 +129,7 @@ class ArrowTable(AbstractTable):
         if is_text(kind):
             text = self._text(name, column, line)
             if not self._dated and text.null_count() < len(text):
-                self._dated = holds_dates(text)
+                self._dated = holds_times(text)
                 if not self._dated:
                     self._require_numbers(name, kind)
             return self._times.read(text, line)

@@ -20,7 +20,15 @@ OnSkipped: TypeAlias = Callable[[str, str], None]
 
 
 def ignore_skipped(what: str, reason: str) -> None:
-    """Take note of nothing: what `read` uses where the caller does not ask."""
+    """Take note of nothing: what `read` uses where the caller does not ask.
+
+    Parameters
+    ----------
+    what
+        The file, or what in it gave no trip.
+    reason
+        Why.
+    """
     del what, reason
 
 
@@ -63,12 +71,28 @@ class Tally:
         self._repaired: dict[str, int] = {}
 
     def skip(self, reason: str, count: int) -> None:
-        """Count rows left out."""
+        """Count rows left out.
+
+        Parameters
+        ----------
+        reason
+            Why, in words that a summary shows.
+        count
+            How many; none leaves no trace of the reason.
+        """
         if count:
             self._skipped[reason] = self._skipped.get(reason, 0) + int(count)
 
     def repair(self, reason: str, count: int) -> None:
-        """Count rows put right."""
+        """Count rows put right.
+
+        Parameters
+        ----------
+        reason
+            What was done, in words that a summary shows.
+        count
+            How many; none leaves no trace of the reason.
+        """
         if count:
             self._repaired[reason] = self._repaired.get(reason, 0) + int(count)
 
@@ -157,6 +181,11 @@ class AbstractTripReader(ABC):
     def with_columns(self, columns: Mapping[str, str]) -> "AbstractTripReader":
         """Return the reader with the user's column names, for formats that leave them open.
 
+        Parameters
+        ----------
+        columns
+            The user's name of a column by the reader's own.
+
         Raises
         ------
         ConfigError
@@ -179,5 +208,11 @@ class AbstractTripReader(ABC):
         return self
 
     def stands_for(self, path: Path) -> Path:
-        """Return the one file that stands for a recording of several; the file itself by default."""
+        """Return the one file that stands for a recording of several; the file itself by default.
+
+        Parameters
+        ----------
+        path
+            Any file of the recording.
+        """
         return path

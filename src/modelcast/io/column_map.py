@@ -27,8 +27,9 @@ start_unix           s, Unix time of t = 0;      start_unix_s
                      constant in a trip
 ===================  ==========================  =====================================================
 
-Names are case-sensitive. Needed are a time and east with north, or lat with lon; east and north win where
-both are there. Angles have no default unit, so a plain ``heading`` has to be mapped to one of the two.
+These names are case-sensitive. What they leave open, names that others use tell (``GPS Time``,
+``Speed (km/h)``: `modelcast.io.header_names`). Needed are a time and east with north, or lat with lon; east
+and north win where both are there. Angles have no default unit: a plain ``heading`` has to be mapped.
 `modelcast.io.time_column` says how the values of a time column tell their unit.
 """
 
@@ -37,6 +38,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.io.header_names import states_metres_a_second, states_seconds, told_meanings
 
 __all__ = ["ColumnMap", "Meaning", "detected_map", "example_map", "known_map", "user_map"]
 
@@ -96,9 +98,9 @@ _LIKELY: Mapping[str, str] = {
     "t_ns": r"(time|stamp|^t)[^a-z]*(ns|nano\w*)\b",
     "t_us": r"(time|stamp|^t)[^a-z]*(us|µs|micro\w*)\b",
     "t_ms": r"(time|stamp|^t)[^a-z]*(ms|milli\w*)\b",
-    "t": r"time|stamp|date|^t\b|^sec|clock|utc",
-    "lat": r"lat",
-    "lon": r"lon|lng",
+    "t": r"time|stamp|date|^t\b|^sec|clock|utc|zeit|temps|hora|fecha",
+    "lat": r"lat|breite",
+    "lon": r"lon|lng|länge|laenge",
     "east_ft": r"(east|^x|_x\b).*(ft|feet)",
     "north_ft": r"(north|^y(?!aw)|_y\b).*(ft|feet)",
     "east": r"east|^x|[^a-z]x\b|_x\b|^e\d*$|pos_?x",
@@ -107,13 +109,17 @@ _LIKELY: Mapping[str, str] = {
     "speed_mph": r"(speed|vel|^v\d*_).*(mph|mi/?h|miles)",
     "speed_kn": r"(speed|vel|^v\d*_).*(knot|kn\b|kts?\b)",
     "speed_ftps": r"(speed|vel|^v\d*_).*(ft|feet)",
-    "speed": r"speed|veloc|^v\b|^v_?(mps|ms)?$",
+    "speed": r"speed|veloc|^v\b|^v_?(mps|ms)?$|^vel\b",
+    "vehicle": r"veh|^id$|track|^car|agent|^device",
 }
 """What a column may mean, by its name in lower case: for examples only, never for reading."""
 
 _PAIRS = (("lat", "lon"), ("east_ft", "north_ft"), ("east", "north"))
 _LOCAL = ("east_m", "north_m")
 _GEODETIC = ("latitude_deg", "longitude_deg")
+_PLACED = {"t_s", *_LOCAL, *_GEODETIC}
+_SHOWN = {*_PLACED, "speed_mps", "heading_rad", "vehicle"}
+"""What an example of a column map shows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,12 +136,15 @@ class ColumnMap:
         Whether `label` holds complete trip identifiers.
     time_stated
         Whether the name of the time column, or the map, states its unit.
+    speed_assumed
+        The speed column whose name only lets m/s be assumed, else empty.
     """
 
     numbers: Mapping[str, tuple[str, float]]
     label: str | None
     whole_id: bool
     time_stated: bool
+    speed_assumed: str = ""
 
     @property
     def geodetic(self) -> bool:
@@ -195,33 +204,30 @@ def known_map(
 def example_map(names: Sequence[str]) -> str:
     """Return an example of a column map made of a table's own columns, for an error.
 
+    A needed column that no name tells is shown as ``?``: a guess would be read without a word.
+
     Examples
     --------
-    >>> example_map(["Stamp_ns", "Position Lat", "Position Lon", "Speed [km/h]"])
-    "--columns 't_ns=Stamp_ns,lat=Position Lat,lon=Position Lon,speed_kmh=Speed [km/h]'"
-    >>> example_map(["a", "b", "c"])
-    "--columns 't=a,east=b,north=c'"
+    >>> example_map(["Stamp_ns", "Position Lat", "Position Lon", "v [km/h]", "id"])
+    "--columns 't_ns=Stamp_ns,lat=Position Lat,lon=Position Lon,speed_kmh=v [km/h],vehicle=id'"
+    >>> example_map(["time", "b", "c"])
+    "--columns 't=time,east=?,north=?' (put a column in place of each ?)"
     """
     free = [name for name in dict.fromkeys(names) if name and not set(name) & set(",='")]
-    if len(free) < 3:
-        return "t=time,east=x,north=y: it names a time and two columns of position"
-    guess: dict[str, str] = {}
+    guess = {
+        meaning: name for meaning, name in told_meanings(free).items() if MEANINGS[meaning].fills in _SHOWN
+    }
     for meaning, pattern in _LIKELY.items():
         filled = {MEANINGS[known].fills for known in guess}
-        name = next((name for name in free if re.search(pattern, name.lower())), None)
+        left = [name for name in free if name not in guess.values()]
+        name = next((name for name in left if re.search(pattern, name.lower())), None)
         if name is not None and MEANINGS[meaning].fills not in filled:
             guess[meaning] = name
-            free.remove(name)
     time = next((meaning for meaning in guess if MEANINGS[meaning].fills == "t_s"), "t")
     pair = next((pair for pair in _PAIRS if {*pair} <= guess.keys()), _PAIRS[-1])
-    free += [name for meaning, name in guess.items() if meaning in {*sum(_PAIRS, ())} - {*pair}]
-    speed = [meaning for meaning in guess if MEANINGS[meaning].fills == "speed_mps"]
-    wanted = [time, *pair]
-    parts = [
-        f"{meaning}={guess.get(meaning) or free.pop(0)}" for meaning in wanted if free or meaning in guess
-    ]
-    parts += [f"{meaning}={guess[meaning]}" for meaning in speed]
-    return f"--columns '{','.join(parts)}'"
+    others = [meaning for meaning in guess if MEANINGS[meaning].fills in _SHOWN - _PLACED]
+    shown = ",".join(f"{meaning}={guess.get(meaning, '?')}" for meaning in (time, *pair, *others))
+    return f"--columns '{shown}'" + (" (put a column in place of each ?)" if "=?" in shown else "")
 
 
 def detected_map(names: Collection[str]) -> ColumnMap | None:
@@ -231,24 +237,23 @@ def detected_map(names: Collection[str]) -> ColumnMap | None:
     --------
     >>> detected_map(["t", "x", "y", "colour"]).numbers["east_m"]
     ('x', 1.0)
+    >>> detected_map(["Timestamp", "LAT", "Lng", "Speed (km/h)"]).numbers["speed_mps"]
+    ('Speed (km/h)', 0.2777777777777778)
     >>> detected_map(["a", "b"]) is None
     True
     """
-    found: dict[str, str] = {}
-    for meaning, entry in MEANINGS.items():
-        name = next((name for name in entry.names if name in names), None)
-        if name is not None:
-            found[meaning] = name
-    return _mapped(found)
+    return _mapped(_found(names))
 
 
 def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> ColumnMap:
     """Return the map a user gave, checked against a table's columns.
 
+    A map that leaves out time or position says how single columns are meant: names tell the others.
+
     Raises
     ------
     ConfigError
-        Where a meaning is unknown, two say the same, or time or position are not given.
+        Where a meaning is unknown, two say the same, or time or position are neither given nor told.
     DataFormatError
         Where the table has no such column.
     """
@@ -272,11 +277,36 @@ def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> C
         raise ConfigError(f"The column map {dict(columns)} names a quantity twice, in two units.")
     found = _mapped(chosen)
     if found is None:
+        left = [name for name in names if name not in chosen.values()]
+        barred = {*fills}
+        for pair, other in ((_LOCAL, _GEODETIC), (_GEODETIC, _LOCAL)):
+            barred |= {*other} if {*fills} & {*pair} else set()
+        rest = {word: name for word, name in _found(left).items() if MEANINGS[word].fills not in barred}
+        found = _mapped(rest | chosen)
+    if found is None:
         raise ConfigError(
             f"The column map {dict(columns)} needs t, and east with north or lat with lon: "
             "for example t=time,east=x,north=y,speed=v."
         )
-    return replace(found, time_stated=found.time_stated or "t_s" in columns)
+    return replace(
+        found,
+        time_stated=found.time_stated or "t_s" in columns,
+        speed_assumed="" if "speed_mps" in columns else found.speed_assumed,
+    )
+
+
+def _found(names: Collection[str]) -> dict[str, str]:
+    """Return the column of each meaning that names tell."""
+    found: dict[str, str] = {}
+    for meaning, entry in MEANINGS.items():
+        name = next((name for name in entry.names if name in names), None)
+        if name is not None:
+            found[meaning] = name
+    filled = {MEANINGS[meaning].fills for meaning in found}
+    if filled >= {*_GEODETIC}:
+        filled |= {*_LOCAL}
+    told = told_meanings(names)
+    return found | {meaning: name for meaning, name in told.items() if MEANINGS[meaning].fills not in filled}
 
 
 def _mapped(found: Mapping[str, str]) -> ColumnMap | None:
@@ -293,5 +323,7 @@ def _mapped(found: Mapping[str, str]) -> ColumnMap | None:
     unused = (*_GEODETIC, "altitude_m") if local else (*_LOCAL, "up_m")
     kept = {fills: entry for fills, entry in numbers.items() if fills not in unused}
     label = found.get("trip", found.get("vehicle"))
-    stated = "t" not in found or found["t"] in _SECONDS
-    return ColumnMap(kept, label, "trip" in found, stated)
+    stated = "t" not in found or found["t"] in _SECONDS or states_seconds(found["t"])
+    speed, factor = kept.get("speed_mps", ("", 0.0))
+    assumed = speed if factor == 1.0 and not states_metres_a_second(speed) else ""
+    return ColumnMap(kept, label, "trip" in found, stated, assumed)

@@ -8,6 +8,7 @@ from typing import Literal
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.printable import printable
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
+from modelcast.io.manifest import MANIFEST
 from modelcast.io.packed import archive_members, is_archive, member_of, recording_name
 from modelcast.io.places import place_kind, readable_kind
 from modelcast.io.registry import detect_format, get_reader, reader_names
@@ -201,7 +202,12 @@ class Recordings(Iterator[Recording]):
         return None
 
     def _known(self, path: str) -> Recording | None:
-        """Return the recording at an entry of a folder; one that no reader knows is reported."""
+        """Return the recording at an entry of a folder; one that no reader knows is reported.
+
+        The list of what modelcast wrote there is passed over.
+        """
+        if Path(path).name == MANIFEST:
+            return None
         try:
             name = self._detected(path)
         except DataFormatError as error:

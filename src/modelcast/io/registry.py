@@ -107,7 +107,7 @@ def detect_format(path: str | Path) -> str:
         str(path),
         "no reader knows this " + ("folder" if at.is_dir() else "file"),
         remedy=_map_for(head)
-        + f"Where it is of a known format, name that by --format: {', '.join(reader_names())}.",
+        or f"Where it is of a known format, name that by --format: {', '.join(reader_names())}.",
     )
 
 
@@ -118,4 +118,4 @@ def _map_for(head: bytes) -> str:
     if len(names) < 3 or not all(name.isprintable() and any(map(str.isalpha, name)) for name in names):
         return ""
     columns = ", ".join(names)
-    return f"As a table of the columns {columns} it takes a column map, for example {example_map(names)}. "
+    return f"As a table of the columns {columns} it takes a column map, for example {example_map(names)}."

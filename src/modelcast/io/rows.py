@@ -179,6 +179,7 @@ def make_trip(
     unix_offset_s: float | None = None,
     clock_offset_s: float | None = None,
     vehicle: str = "",
+    unsorted: str = "Sort the file by vehicle and time and leave one row per time.",
 ) -> Trajectory | None:
     """Return the trip of rows in time order, or None where no row is left.
 
@@ -196,6 +197,8 @@ def make_trip(
         What turns ``t_s`` into Unix time, where that is known [s].
     clock_offset_s
         What turns it into the time of the clock that the file's trips share, where they share one [s].
+    unsorted
+        What to do where time does not increase.
 
     Raises
     ------
@@ -215,8 +218,7 @@ def make_trip(
             path,
             f"time of {trip_id} does not increase: {t_s[at]} after {t_s[at - 1]}",
             row=int(rows.line[at]),
-            remedy="Sort the file by vehicle and time and leave one row per time; of several vehicles, name "
-            "the column that tells them apart (--columns with vehicle=NAME).",
+            remedy=unsorted,
         )
     try:
         return build_trajectory(

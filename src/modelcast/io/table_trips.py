@@ -25,13 +25,16 @@ from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import OPTIONAL, Rows, are_unknown_to_sumo, located, make_trip, with_missing
 from modelcast.io.time_column import TimeUnit
-from modelcast.io.unit_check import refuse_long_steps, refuse_other_unit
+from modelcast.io.unit_check import refuse_long_steps, refuse_other_speed, refuse_other_unit
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["OFF_ROAD", "AbstractTable", "TablePart", "table_trips"]
 
 OFF_ROAD = "off the road (SUMO's -1073741824)"
 """Why a row without a position in SUMO's traffic is skipped."""
+
+_SORT = "Sort the file by vehicle and time and leave one row per time."
+_SEVERAL = "If it holds several vehicles, say which column names them: --columns vehicle=NAME."
 
 _POSITION = ("east_m", "north_m", "latitude_deg", "longitude_deg")
 _NOT_KNOWN = -np.inf
@@ -132,6 +135,8 @@ def table_trips(
             table.path, source, trip_id, found.rows, tally,
             count=len(found.rows) + int(found.partial), time=table.time,
             shared_origin=rows.origin, one_clock=rows.one_clock, vehicle=rows.vehicle(found.key),
+            speed=table.found.speed_assumed,
+            unsorted=_SORT if table.found.label else f"{_SORT} {_SEVERAL}",
         )  # fmt: skip
         if trip is None:
             on_skipped(trip_id, tally.why_empty())
@@ -233,7 +238,7 @@ class _TableRows(AbstractKeyedRows[str]):
 
 def _trip(
     path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int, time: TimeUnit,
-    shared_origin: Origin | None, one_clock: bool, vehicle: str,
+    shared_origin: Origin | None, one_clock: bool, vehicle: str, speed: str, unsorted: str,
 ) -> Trajectory | None:  # fmt: skip
     """Return one vehicle's trip, or None where no row is usable."""
     columns = rows.columns
@@ -260,9 +265,11 @@ def _trip(
     # Small units are often Unix times, which as seconds in float64 lose their last digits.
     start = float(raw_t[0]) if time.unit_s != 1.0 else 0.0
     rows = rows.having(t_s=(raw_t - start) * time.unit_s)
-    refuse_long_steps(path, rows)
     if time.assumed:
         refuse_other_unit(path, rows, time.assumed)
+        refuse_long_steps(path, rows, time.assumed)
+    if speed:
+        refuse_other_speed(path, rows, speed)
     return make_trip(
         path,
         trip_id,
@@ -274,6 +281,7 @@ def _trip(
         unix_offset_s=unix + (start + time.start) * time.unit_s if np.isfinite(unix) else None,
         clock_offset_s=(start + time.start) * time.unit_s if one_clock else None,
         vehicle=vehicle,
+        unsorted=unsorted,
     )
 
 

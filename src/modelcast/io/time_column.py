@@ -8,7 +8,8 @@ The first known value decides, and every other value has to agree with it.
   `LONGEST_S`: these are Unix times in ms, µs or ns, by their size, and the trip's counts say so.
 - Text is a date and a time of day, ``2024-03-15T10:00:00.100Z``: ``T`` or a blank between them, ``-`` or
   ``/`` in the date, up to nine decimals, a zone (``Z``, ``UTC``, ``+01:00``) in every row or in none. Without
-  a zone the trip has no absolute time.
+  a zone the trip has no absolute time. The date may be left out in every row: such times are counted from
+  the first, and do not run over midnight.
 
 Whole numbers are taken from the first before they become float64, so that nanoseconds keep their digits.
 """
@@ -21,7 +22,7 @@ import polars as pl
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 
-__all__ = ["LONGEST_S", "TimeColumn", "TimeUnit", "holds_dates"]
+__all__ = ["LONGEST_S", "TimeColumn", "TimeUnit", "holds_dates", "holds_times"]
 
 LONGEST_S = 1e11
 """No time of any recording is longer [s]; Unix milliseconds of any year after 1973 are."""
@@ -35,10 +36,13 @@ _LARGEST_WHOLE = 2**62
 _UNIX_UNITS = ((1e17, 1e-9, "nanoseconds"), (1e14, 1e-6, "microseconds"), (0.0, 1e-3, "milliseconds"))
 _WORDS = {1e-3: "t_ms", 1e-6: "t_us", 1e-9: "t_ns"}
 _ISO = (
-    r"^(\d{4})[-/](\d\d)[-/](\d\d)[Tt ]+(\d\d):(\d\d):(\d\d)(?:[.,](\d{1,9}))?"
+    r"^(?:(\d{4})[-/](\d\d)[-/](\d\d)[Tt ]+)?(\d\d?):(\d\d):(\d\d)(?:[.,](\d{1,9}))?"
     r" ?(?:([Zz]|UTC)|([+-])(\d\d):?(\d\d)?)?$"
 )
 _NANO = 10**9
+_CLOCK, _DATED, _ZONED = range(3)
+_KINDS = ("a time of day without a date", "a date and time without a zone", "a date and time with a zone")
+_AS_ISO = "Write it as seconds, or as 2024-03-15T10:00:00.100Z."
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +90,7 @@ class TimeColumn:
         self.unit = TimeUnit(unit_s)
         self._begun = False
         self._text = False
-        self._zoned = False
+        self._kind = 0
         self._start = 0
 
     def read(self, text: pl.Series, line: IntArray) -> FloatArray:
@@ -98,7 +102,7 @@ class TimeColumn:
             Where a cell is no time, or not in the unit that the first one told.
         """
         if not self._begun:
-            self._text = holds_dates(text)
+            self._text = holds_times(text)
         if self._text:
             return self._dated(text, line)
         plain = text
@@ -158,45 +162,57 @@ class TimeColumn:
     def _dated(self, text: pl.Series, line: IntArray) -> FloatArray:
         """Return dates and times of day as times from the first."""
         parts = _iso(text)
-        zoned = parts.get_column("zoned")
+        kind = parts.get_column("kind")
         nanos = parts.get_column("nanos")
         if not self._begun:
             at = int(text.is_not_null().arg_max() or 0)
-            self._begun, self._zoned = True, bool(zoned[at])
+            self._begun, self._kind = True, int(kind[at] or 0)
             if nanos[at] is None:
                 self._refuse(text, line, text.is_not_null().to_numpy())
             self._start = int(nanos[at])
-            self.unit = TimeUnit(1e-9, float(self._start), unix=self._zoned)
-        wrong = text.is_not_null() & (nanos.is_null() | (zoned != self._zoned).fill_null(value=True))
+            self.unit = TimeUnit(1e-9, float(self._start), unix=self._kind == _ZONED)
+        wrong = text.is_not_null() & (nanos.is_null() | (kind != self._kind).fill_null(value=True))
         if wrong.any():
             self._refuse(text, line, wrong.to_numpy())
         return (nanos - self._start).cast(pl.Float64).fill_null(np.nan).to_numpy()
 
     def _refuse(self, shown: pl.Series, line: IntArray, bad: np.ndarray) -> None:
         at = int(np.argmax(bad))
+        remedy = "Correct the value, or leave the cell blank where it is not known."
         if self._text:
-            expected = "a date and time with a zone" if self._zoned else "a date and time without a zone"
-            expected = f"{expected}, as in the first row"
+            expected = f"{_KINDS[self._kind]}, as in the first row"
         else:
             expected = "a finite number in the unit of the first row"
+            if not self._begun:
+                expected, remedy = "a number, a date and time or a time of day", _AS_ISO
         raise DataFormatError(
             self._path,
             f"{self._name} is {shown[at]!r}, not {expected}",
             row=int(line[at]),
-            remedy="Correct the value, or leave the cell blank where it is not known.",
+            remedy=remedy,
         )
 
 
 def holds_dates(text: pl.Series) -> bool:
     """Return whether the first known cell is a date and a time of day."""
-    return _iso(text.drop_nulls().head(1)).get_column("zoned").is_not_null().any()
+    return bool((_first(text) > _CLOCK).any())
+
+
+def holds_times(text: pl.Series) -> bool:
+    """Return whether the first known cell is a time of day, with a date or without."""
+    return _first(text).is_not_null().any()
+
+
+def _first(text: pl.Series) -> pl.Series:
+    return _iso(text.drop_nulls().head(1)).get_column("kind")
 
 
 def _iso(text: pl.Series) -> pl.DataFrame:
-    """Return Unix nanoseconds and whether there is a zone, both null where a cell is no date and time."""
+    """Return Unix nanoseconds (without a date of the day) and the kind of time, null where it is none."""
     groups = text.str.extract_groups(_ISO).struct.unnest()
     year, month, day, hour, minute, second, fraction, utc, sign, hours, minutes = groups.get_columns()
     date = (year + "-" + month + "-" + day).str.to_date("%Y-%m-%d", strict=False).cast(pl.Int64)
+    date = date.set(year.is_null(), 0)
     clock = hour.cast(pl.Int64) * 3600 + minute.cast(pl.Int64) * 60 + second.cast(pl.Int64)
     inside = (hour.cast(pl.Int64) < 24) & (minute.cast(pl.Int64) < 60) & (second.cast(pl.Int64) <= 60)
     east = hours.cast(pl.Int64).fill_null(0) * 3600 + minutes.cast(pl.Int64).fill_null(0) * 60
@@ -204,5 +220,6 @@ def _iso(text: pl.Series) -> pl.DataFrame:
     seconds = (date * 86400 + clock - east) * _NANO
     nanos = seconds + fraction.fill_null("").str.pad_end(9, "0").cast(pl.Int64)
     nanos = nanos.set(~inside.fill_null(value=False), None)
-    zoned = (utc.is_not_null() | sign.is_not_null()).set(year.is_null(), None)
-    return pl.DataFrame({"nanos": nanos, "zoned": zoned})
+    zoned = utc.is_not_null() | sign.is_not_null()
+    kind = (zoned.cast(pl.Int64) + _DATED).set(year.is_null(), _CLOCK).set(hour.is_null(), None)
+    return pl.DataFrame({"nanos": nanos, "kind": kind})

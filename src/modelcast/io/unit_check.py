@@ -1,8 +1,8 @@
-"""Whether positions move as the speeds of the same rows say, where the unit of time is only assumed.
+"""Whether positions move as the speeds of the same rows say, where a unit is only assumed.
 
 A column ``t`` may hold milliseconds from the start, and then every speed that is computed from it is 1000
 times too low. Nothing in the column tells; the reported speeds do. The same ratio finds degrees or kilometres
-taken for metres.
+taken for metres, and a plain ``speed`` that holds km/h.
 """
 
 import numpy as np
@@ -11,37 +11,23 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.io.rows import Rows
 from modelcast.trips.trajectory import GAP_STEPS
 
-__all__ = ["refuse_long_steps", "refuse_other_unit"]
+__all__ = ["refuse_long_steps", "refuse_other_speed", "refuse_other_unit"]
 
 _LARGEST_RATIO = 300.0
 """No error of a receiver or a vehicle is that large over a trip; the next unit is 1000 times off."""
 _MOVING_MPS = 1.0
-_LONGEST_STEP_S = 15.0
-"""Steps of milliseconds at 50 Hz and less, taken for seconds, are longer; nobody sees a turn by such."""
-_FEWEST_ROWS = 10
-
-
-def refuse_long_steps(path: str, rows: Rows) -> None:
-    """Raise `DataFormatError` where the usual step is too long for any recording of a motion.
-
-    Parameters
-    ----------
-    path
-        The file.
-    rows
-        One vehicle's rows with ``t_s``.
-    """
-    if len(rows) < _FEWEST_ROWS:
-        return
-    step_s = float(np.median(np.diff(rows.columns["t_s"])))
-    if step_s > _LONGEST_STEP_S:
-        raise DataFormatError(
-            path,
-            f"its rows are {step_s:g} s apart, too far to follow a vehicle's motion",
-            row=int(rows.line[0]),
-            remedy="If the times are in milliseconds or microseconds, map the column by its unit: "
-            "--columns with t_ms=NAME or t_us=NAME.",
-        )
+_LONGEST_STEP_S = 10.0
+"""No motion of a vehicle can be told from fixes that are further apart; milliseconds of 10 ms to 10 s are."""
+_SPEEDS = {
+    "speed_kmh": 3.6,
+    "speed_mph": 3600.0 / 1609.344,
+    "speed_kn": 3600.0 / 1852.0,
+    "speed_ftps": 1 / 0.3048,
+}
+"""Numbers in other units over those in m/s, by what a column map calls them."""
+_SPEED_TOLERANCE = 0.03
+"""Positions and speeds of good recordings agree to 1 % over a trip; the units are 9 % apart at least."""
+_LEAST_WAY_M = 50.0
 
 
 def refuse_other_unit(path: str, rows: Rows, time: str) -> None:
@@ -56,14 +42,7 @@ def refuse_other_unit(path: str, rows: Rows, time: str) -> None:
     time
         Name of the time column.
     """
-    columns = rows.columns
-    steps_s = np.diff(columns["t_s"])
-    if "speed_mps" not in columns or not steps_s.size or not (steps_s > 0).all():
-        return
-    speed_mps = 0.5 * (columns["speed_mps"][1:] + columns["speed_mps"][:-1])
-    used = (speed_mps > _MOVING_MPS) & (steps_s <= GAP_STEPS * np.median(steps_s))
-    moved_m = np.hypot(np.diff(columns["east_m"]), np.diff(columns["north_m"]))[used].sum()
-    said_m = (speed_mps * steps_s)[used].sum()
+    moved_m, said_m = _ways(rows)
     if moved_m > 0 and said_m > 0 and not 1 / _LARGEST_RATIO < moved_m / said_m < _LARGEST_RATIO:
         slower = "slower" if moved_m < said_m else "faster"
         ratio = max(moved_m / said_m, said_m / moved_m)
@@ -74,6 +53,67 @@ def refuse_other_unit(path: str, rows: Rows, time: str) -> None:
             remedy=f"Map the time by its unit ({_unit(moved_m / said_m)}={time}), or check the units of the "
             "positions and speeds.",
         )
+
+
+def refuse_long_steps(path: str, rows: Rows, time: str) -> None:
+    """Raise `DataFormatError` where times without a stated unit are so far apart that they are no seconds.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows
+        One vehicle's rows with ``t_s``; with ``speed_mps``, `refuse_other_unit` tells more.
+    time
+        Name of the time column.
+    """
+    steps_s = np.diff(rows.columns["t_s"])
+    if "speed_mps" in rows.columns or not steps_s.size or not np.median(steps_s) >= _LONGEST_STEP_S:
+        return
+    raise DataFormatError(
+        path,
+        f"{time} grows by {np.median(steps_s):g} from row to row, too much for seconds",
+        row=int(rows.line[0]),
+        remedy=f"Map the time by its unit, for example t_ms={time}; t_s={time} where it does hold seconds.",
+    )
+
+
+def refuse_other_speed(path: str, rows: Rows, speed: str) -> None:
+    """Raise `DataFormatError` where speeds without a stated unit fit the positions in another unit than m/s.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows
+        One vehicle's rows with ``t_s``, ``east_m``, ``north_m`` and ``speed_mps``.
+    speed
+        Name of the speed column.
+    """
+    moved_m, said_m = _ways(rows)
+    if not moved_m > _LEAST_WAY_M:
+        return
+    ratio = said_m / moved_m
+    for meaning, factor in _SPEEDS.items():
+        if abs(ratio / factor - 1.0) <= _SPEED_TOLERANCE:
+            raise DataFormatError(
+                path,
+                f"{speed} is {ratio:.2f} times what the positions move in m/s",
+                row=int(rows.line[0]),
+                remedy=f"Map it by its unit: {meaning}={speed}. Where it does hold m/s: speed_mps={speed}.",
+            )
+
+
+def _ways(rows: Rows) -> tuple[float, float]:
+    """Return the way that positions move and that speeds say, in motion [m]; zeros where unknown."""
+    columns = rows.columns
+    steps_s = np.diff(columns["t_s"])
+    if "speed_mps" not in columns or not steps_s.size or not (steps_s > 0).all():
+        return 0.0, 0.0
+    speed_mps = 0.5 * (columns["speed_mps"][1:] + columns["speed_mps"][:-1])
+    used = (speed_mps > _MOVING_MPS) & (steps_s <= GAP_STEPS * np.median(steps_s))
+    moved_m = np.hypot(np.diff(columns["east_m"]), np.diff(columns["north_m"]))[used].sum()
+    return float(moved_m), float((speed_mps * steps_s)[used].sum())
 
 
 def _unit(ratio: float) -> str:

@@ -59,6 +59,11 @@ class Bank(AbstractMotionModel):
     def place_of(self, name: str) -> int:
         """Index of the member of this name.
 
+        Parameters
+        ----------
+        name
+            Its short name.
+
         Raises
         ------
         ValueError

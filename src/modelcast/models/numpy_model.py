@@ -265,7 +265,22 @@ class AbstractNumpySubModel(AbstractSubModel):
         return states
 
     def observed(self, states: FloatArray | None, samples: FloatArray, dt_s: float) -> FloatArray:
-        """What `observe_batch` says, looked at."""
+        """What `observe_batch` says, looked at.
+
+        Parameters
+        ----------
+        states
+            (B, S); None at a start and after a gap.
+        samples
+            The new samples, (B, 9).
+        dt_s
+            Sampling interval [s].
+
+        Raises
+        ------
+        SubModelError
+            Where it raises, or gives another shape or a number that is not finite.
+        """
         found = self._told("observe_batch", lambda: self.observe_batch(states, samples.copy(), dt_s=dt_s))
         return self._numbers("observe_batch", found, np.arange(len(samples)), (self.state_columns,))
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from modelcast.core.cells import escape
 from modelcast.core.exceptions import ConfigError
+from modelcast.report.figures.files import ENDINGS
 from modelcast.report.page import figure
 
 __all__ = ["check_beside", "show_beside"]
@@ -16,11 +17,10 @@ _FIGURES = {
     "penetration": "Tracking errors over the shares of vehicles that send and that read models",
     "capacity": "Vehicles a kilometre up to which hosts keep track",
 }
-_SUFFIXES = (".svg", ".png")
 
 
 def _there(folder: Path) -> list[str]:
-    return [name for name in _FIGURES if all((folder / f"{name}{end}").is_file() for end in _SUFFIXES)]
+    return [name for name in _FIGURES if (folder / f"{name}.svg").is_file()]
 
 
 def check_beside(folders: Sequence[Path]) -> None:
@@ -58,8 +58,9 @@ def show_beside(folders: Sequence[Path], out: Path) -> list[str]:
     for number, folder in enumerate(folders, start=1):
         found.append(f"<h2>{escape(folder.resolve().name)}</h2>")
         for name in _there(folder):
-            for end in _SUFFIXES:
-                shutil.copyfile(folder / f"{name}{end}", out / f"beside_{number}_{name}{end}")
+            for end in ENDINGS:
+                if (folder / f"{name}{end}").is_file():
+                    shutil.copyfile(folder / f"{name}{end}", out / f"beside_{number}_{name}{end}")
             caption = f"{_FIGURES[name]} ({folder.resolve().name})."
             found.append(figure(f"beside_{number}_{name}.svg", caption))
     return found

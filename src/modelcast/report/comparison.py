@@ -26,7 +26,7 @@ _MISSING = "-"
 
 
 def write_comparison_report(result: ComparisonResult, folder: str | Path) -> list[Path]:
-    """Write ``table.md``, ``comparison.png`` and ``comparison.svg``; return their paths.
+    """Write ``table.md`` and the figure ``comparison`` as PNG, SVG and PDF; return their paths.
 
     Parameters
     ----------

@@ -1,6 +1,7 @@
-"""Coverage in the terminal: shares inside the ellipses, and expected against observed times."""
+"""Coverage in the terminal and as figures: shares inside ellipses, and expected against observed times."""
 
 from math import isnan
+from pathlib import Path
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -8,9 +9,12 @@ from rich.table import Table
 from modelcast.core.cells import Cells
 from modelcast.models.calibration import LEVELS
 from modelcast.report.console_table import console_table
+from modelcast.report.figures.coverage import plot_coverage, plot_times
+from modelcast.report.figures.files import drawn, write_drawings
+from modelcast.report.style import style
 from modelcast.study.coverage import FORMS, CoverageResult
 
-__all__ = ["coverage_report"]
+__all__ = ["coverage_report", "write_coverage_figures"]
 
 _SHOWN_S = (0.5, 1.0, 2.0, 3.0)
 
@@ -24,6 +28,21 @@ def coverage_report(result: CoverageResult) -> RenderableType:
         What was found.
     """
     return Group(_coverage_table(result), _times_table(result))
+
+
+def write_coverage_figures(result: CoverageResult, folder: Path) -> list[Path]:
+    """Write the figures ``coverage`` and ``times`` as PNG, SVG and PDF; return the paths.
+
+    Parameters
+    ----------
+    result
+        What was found.
+    folder
+        An existing folder.
+    """
+    with style():
+        figures = {"coverage": plot_coverage(result.rows), "times": plot_times(result.times)}
+        return write_drawings([drawn(name, figure) for name, figure in figures.items()], folder)
 
 
 def _coverage_table(result: CoverageResult) -> Table:

@@ -1,4 +1,4 @@
-"""The report: one HTML file with everything in it, that needs no network and no script.
+"""The report: one HTML file with everything in it, that needs no network, and for its figures no script.
 
 Figures are embedded as SVG images, so that names inside two of them cannot clash. The file holds no time
 stamp and no path; the same result gives the same bytes.
@@ -27,6 +27,8 @@ from modelcast.report.headline import (
     sender_label,
 )
 from modelcast.report.page import CSS, embedded_figure, page
+from modelcast.report.player import player, player_css
+from modelcast.report.scripts import PLAYBACK_SCRIPTS, script
 from modelcast.report.warnings import warning_lines
 from modelcast.study.result import POOLED, EvaluationResult, HoldsEvaluation, TripRow, result_of
 from modelcast.study.rules import MODEL_SENDER
@@ -80,6 +82,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         _headline_table(result),
         "<h2>Figures</h2>",
         *_figures(result, drawings),
+        player(result),
         "<h2>Trips</h2>",
         _trip_table(result.trips),
         "<h2>Tracking</h2>",
@@ -90,7 +93,9 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         _failures(result.failures),
         _skipped(result.skipped),
     ]
-    return page("modelcast evaluation", CSS, body)
+    if result.playback is None:
+        return page("modelcast evaluation", CSS, body)
+    return page("modelcast evaluation", CSS + player_css(), body, [script(*PLAYBACK_SCRIPTS)])
 
 
 def _warnings(trips: Sequence[TripRow]) -> str:

@@ -13,7 +13,7 @@ __all__ = ["draw_meeting"]
 
 
 def draw_meeting(meeting: Meeting, runs: Mapping[str, Seen], streets: StreetGrid, folder: Path) -> None:
-    """Write ``film.png`` and ``film.svg``.
+    """Write the figure ``film`` as PNG, SVG and PDF.
 
     Parameters
     ----------

@@ -1,11 +1,12 @@
 """An HTML page, with every string escaped."""
 
 import base64
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, cast
 
 from modelcast.core.cells import Cells, escape
 from modelcast.report.figures.files import Drawing
+from modelcast.report.scripts import content_policy, script
 
 __all__ = ["CSS", "embedded_figure", "figure", "option_rows", "options_table", "page"]
 
@@ -26,6 +27,14 @@ tbody tr:nth-child(even) { background: #f7f8fa; }
 figure { margin: 1.4rem 0 2rem; }
 figure img { max-width: 100%; height: auto; display: block; }
 figcaption { font-size: .85rem; color: #444; margin-top: .5rem; max-width: 46rem; }
+.enlarge { display: block; max-width: 100%; padding: 0; border: 0; background: none; cursor: zoom-in; }
+.enlarged { width: 100vw; height: 100dvh; max-width: none; max-height: none; margin: 0; padding: .6rem;
+  border: 0; box-sizing: border-box; }
+.enlarged[open] { display: flex; flex-direction: column; gap: .5rem; align-items: flex-end; }
+.enlarged button { font: inherit; padding: .3rem 1rem; min-height: 40px; cursor: pointer; }
+.enlarged div { flex: 1; min-height: 0; width: 100%; overflow: auto; }
+.enlarged img { display: block; height: auto; max-width: none; margin: 0 auto; }
+:focus-visible { outline: 3px solid #0072b2; outline-offset: 2px; }
 summary { cursor: pointer; font-weight: 600; margin: .4rem 0; }
 @media print {
   @page { margin: 15mm; }
@@ -40,8 +49,10 @@ summary { cursor: pointer; font-weight: 600; margin: .4rem 0; }
 """
 
 
-def page(title: str, css: str, body: Iterable[str]) -> str:
+def page(title: str, css: str, body: Iterable[str], scripts: Sequence[str] = ()) -> str:
     """Return a whole document; the parts of the body are markup already.
+
+    Its figures open in a dialog by tap or key, where scripts run.
 
     Parameters
     ----------
@@ -51,13 +62,19 @@ def page(title: str, css: str, body: Iterable[str]) -> str:
         The style sheet.
     body
         Parts of the body, in order.
+    scripts
+        Texts of scripts that run once the body is there.
     """
+    run = (script("scrollable.js", "enlarge.js"), *scripts)
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{content_policy(run)}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title)}</title>\n<style>{css}</style>\n</head>\n<body>\n"
+        f"<title>{escape(title)}</title>\n<style>{css}</style>\n</head>\n<body>\n<main>\n"
         + "\n".join(part for part in body if part)
-        + "\n</body>\n</html>\n"
+        + "\n</main>\n"
+        + "".join(f"<script>{text}</script>\n" for text in run)
+        + "</body>\n</html>\n"
     )
 
 

@@ -76,6 +76,8 @@ _PARAMETERS = {
     "legend.handlelength": 2.4,
     "lines.linewidth": 1.3,
     "lines.markersize": 3.5,
+    # Whole letters instead of drawings of them: what publishers ask for.
+    "pdf.fonttype": 42,
     "savefig.dpi": 200,
     "svg.fonttype": "path",
     "svg.hashsalt": "modelcast",

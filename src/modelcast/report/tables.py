@@ -46,17 +46,35 @@ def frame(table: Table) -> pl.DataFrame:
 
 
 def rates_frame(result: EvaluationResult | HoldsEvaluation) -> pl.DataFrame:
-    """Return one row for each trip, policy, bank and threshold of the rate runs."""
+    """Return one row for each trip, policy, bank and threshold of the rate runs.
+
+    Parameters
+    ----------
+    result
+        What `evaluate` gave, or its `EvaluationResult`.
+    """
     return frame(result_of(result).rates)
 
 
 def references_frame(result: EvaluationResult | HoldsEvaluation) -> pl.DataFrame:
-    """Return one row for each trip, reference and threshold."""
+    """Return one row for each trip, reference and threshold.
+
+    Parameters
+    ----------
+    result
+        What `evaluate` gave, or its `EvaluationResult`.
+    """
     return frame(result_of(result).references)
 
 
 def tracking_frame(result: EvaluationResult | HoldsEvaluation) -> pl.DataFrame:
-    """Return one row for each trip, policy, rate basis, threshold and packet error ratio."""
+    """Return one row for each trip, policy, rate basis, threshold and packet error ratio.
+
+    Parameters
+    ----------
+    result
+        What `evaluate` gave, or its `EvaluationResult`.
+    """
     return frame(result_of(result).tracking)
 
 

@@ -1,6 +1,6 @@
 """The main job: trips in, an `EvaluationResult` out."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from math import inf
 
@@ -14,6 +14,7 @@ from modelcast.study.case import SensedTrip, TripCase, make_case
 from modelcast.study.context import case_contexts, reads_context, trip_runtimes
 from modelcast.study.gathered import Gathered, Illustration, TripCount
 from modelcast.study.illustration import draw_manoeuvre, draw_timeline, sharpest_instant
+from modelcast.study.play import draw_playback
 from modelcast.study.pooling import TrackingPool, sorted_errors, trip_row
 from modelcast.study.rate import count_rates
 from modelcast.study.recording import AbstractRecordSink, HeldRecords, event_columns, sample_block
@@ -136,7 +137,7 @@ def evaluate_trip(
         records.add_events(event_columns(case, count, walk, settings))
     if settings.references:
         found.references += count_references(case, settings.thresholds_m)
-    found.illustration = _illustrated(case, (mbc, baseline), counted[0][1], settings, sharper_than_mps2)
+    found.illustration = _illustrated(case, (mbc, each, baseline), counted[0][1], settings, sharper_than_mps2)
     if not settings.packet_error_ratios:
         return found
     for run in run_tracking(case, each, baseline, settings):
@@ -152,7 +153,7 @@ def evaluate_trip(
 
 def _illustrated(
     case: TripCase,
-    banks: tuple[TripRuntime, TripRuntime],
+    runtimes: tuple[TripRuntime, Sequence[TripRuntime], TripRuntime],
     walk: TripMessages,
     settings: EvaluationSettings,
     sharper_than_mps2: float,
@@ -171,11 +172,16 @@ def _illustrated(
         acceleration_mps2 = 0.0
     else:
         return None
+    mbc, _, baseline = runtimes
+    threshold_m = walk.policy.threshold_m
     return Illustration(
         trip,
         acceleration_mps2,
-        timeline=draw_timeline(case, banks[0], walk, index),
-        manoeuvre=draw_manoeuvre(case, banks, walk.policy.threshold_m, index),
+        timeline=draw_timeline(case, mbc, walk, index),
+        manoeuvre=draw_manoeuvre(case, (mbc, baseline), threshold_m, index),
+        playback=draw_playback(
+            case, settings, runtimes, threshold_m=threshold_m, at_s=float(case.truth.t_s[index])
+        ),
     )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.study.playback import Playback
 from modelcast.study.pooling import TrackingPool, pool_ecdf, pool_row
 from modelcast.study.rate import RateCount, pooled_rates, rate_row
 from modelcast.study.recording import HeldRecords
@@ -33,8 +34,8 @@ class Illustration:
     ----------
     trip, acceleration_mps2
         Which trip, and the size of the acceleration across the course [m/s²].
-    timeline, manoeuvre
-        What the figures draw; None where they are not drawn.
+    timeline, manoeuvre, playback
+        What the figures and the report draw; None where they are not drawn.
     """
 
     trip: str
@@ -42,6 +43,7 @@ class Illustration:
     _: KW_ONLY
     timeline: Timeline | None = None
     manoeuvre: Manoeuvre | None = None
+    playback: Playback | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,6 +174,7 @@ class Gathered:
             ecdfs=tuple(pool_ecdf(pool) for pool in self.pools.values()),
             timeline=drawn.timeline,
             manoeuvre=drawn.manoeuvre,
+            playback=drawn.playback,
             events=held.events,
             samples=held.samples,
             failures=dict(self.failures),

@@ -29,11 +29,23 @@ class AbstractRecordSink(ABC):
 
     @abstractmethod
     def add_events(self, columns: Columns) -> None:
-        """Take the messages of one walk, columns as in `EvaluationResult`."""
+        """Take the messages of one walk.
+
+        Parameters
+        ----------
+        columns
+            The columns of `EvaluationResult.events` by name, all of one length.
+        """
 
     @abstractmethod
     def add_samples(self, block: SampleBlock) -> None:
-        """Take the samples of one contender over one trip."""
+        """Take the samples of one contender over one trip.
+
+        Parameters
+        ----------
+        block
+            Its samples, a row each.
+        """
 
 
 class HeldRecords(AbstractRecordSink):

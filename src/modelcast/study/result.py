@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
+from modelcast.study.playback import Playback
 from modelcast.study.rules import MODEL_SENDER
 from modelcast.study.table import Table, TableSchema, count, flag, quantity, ratio, text
 
@@ -403,6 +404,8 @@ class EvaluationResult:
         Files and vehicles that held no trip, with the reason.
     references
         Table of `REFERENCES` that the message rates are drawn beside; empty where they were not asked for.
+    playback
+        The trip of the timeline, to be played in the report; None where no trip holds a manoeuvre.
     """
 
     settings: Mapping[str, Any]
@@ -418,6 +421,7 @@ class EvaluationResult:
     failures: Mapping[str, str]
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
     references: Table = field(default_factory=REFERENCES.table)
+    playback: Playback | None = None
 
     @property
     def sender(self) -> str:

@@ -189,7 +189,15 @@ class EvaluationSettings:
             self.channel(ratio)
 
     def policy(self, threshold_m: float, *, keep_alive: bool) -> ErrorDriven:
-        """The error-driven policy at a threshold, with or without the keep-alive of the loss runs."""
+        """The error-driven policy at a threshold, with or without the keep-alive of the loss runs.
+
+        Parameters
+        ----------
+        threshold_m
+            The threshold [m].
+        keep_alive
+            Whether `keep_alive_s` bounds the silence.
+        """
         longest = self.keep_alive_s if keep_alive else None
         start, identify = self.rules
         return ErrorDriven(
@@ -197,7 +205,15 @@ class EvaluationSettings:
         )
 
     def under_loss(self, threshold_m: float, ratio: float) -> ErrorDriven:
-        """The error-driven policy of the loss runs at a threshold and a loss ratio."""
+        """The error-driven policy of the loss runs at a threshold and a loss ratio.
+
+        Parameters
+        ----------
+        threshold_m
+            The threshold [m].
+        ratio
+            Share of the messages that are lost, 0..1; a sender that minds losses is told it.
+        """
         policy = self.policy(threshold_m, keep_alive=True)
         if self.belief == "sent":
             return policy

@@ -68,11 +68,15 @@ class Drive:
         The same rows from GPS (position, heading) and CAN (speed, acceleration, yaw rate).
     manoeuvres
         What happens when, without gaps, in order.
+    sensor
+        The errors of `input`: position and heading those of the GPS, the rest those of the bus, which also
+        rounds and holds its values until its next message.
     """
 
     truth: Trajectory
     input: Trajectory
     manoeuvres: tuple[Manoeuvre, ...]
+    sensor: SensorModel
 
 
 def generate_drive(
@@ -122,10 +126,17 @@ def generate_drive(
     rows = np.round(np.arange(count) / rate_hz / FINE_S).astype(np.int64)
     truth = at_rows(fine, rows, f"generated/{seed}")
     seen = sense(truth, sensor, gps_rng)
+    bus = CanBus() if can is None else can
     return Drive(
         truth,
-        _with_can(seen, fine, rows, CanBus() if can is None else can, can_rng),
+        _with_can(seen, fine, rows, bus, can_rng),
         tuple(m for m in script.manoeuvres if m.start_s < duration_s),
+        replace(
+            sensor,
+            speed_noise_mps=bus.speed_noise_mps,
+            acceleration_noise_mps2=bus.acceleration_noise_mps2,
+            yaw_rate_noise_radps=bus.yaw_rate_noise_radps,
+        ),
     )
 
 

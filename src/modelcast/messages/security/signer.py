@@ -14,7 +14,13 @@ __all__ = ["Signer", "SignerState"]
 
 @dataclass(frozen=True, slots=True)
 class SignerState:
-    """When the certificate last went along [µs since the common instant]; None for never."""
+    """What a signer remembers.
+
+    Parameters
+    ----------
+    attached_us
+        When the certificate last went along [µs since the common instant]; None for never.
+    """
 
     attached_us: int | None = None
 

@@ -1,4 +1,4 @@
-"""The figures as files: each is laid out and drawn once, and saved as PNG and as SVG."""
+"""The figures as files: each is laid out and drawn once, and saved as PNG, SVG and PDF."""
 
 import io
 from collections.abc import Callable, Iterable, Mapping
@@ -7,6 +7,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from modelcast.core.doing import doing
 from modelcast.report.figures.distribution import plot_distribution
 from modelcast.report.figures.loss import plot_loss
 from modelcast.report.figures.manoeuvre import plot_manoeuvre
@@ -17,6 +18,7 @@ from modelcast.report.style import style
 from modelcast.study.result import EvaluationResult
 
 __all__ = [
+    "ENDINGS",
     "FIGURES",
     "Drawing",
     "draw_figures",
@@ -36,6 +38,9 @@ FIGURES: dict[str, Callable[[EvaluationResult], Figure]] = {
 }
 """The figures in the order of the report, by the stem of their files."""
 
+ENDINGS = (".png", ".svg", ".pdf")
+"""Of the files of each figure: for a screen, a page and a paper."""
+
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
@@ -45,7 +50,7 @@ class Drawing:
     ----------
     name
         Key in `FIGURES`.
-    png, svg
+    png, svg, pdf
         The files' content.
     width_in, height_in
         Size on paper [in].
@@ -54,8 +59,19 @@ class Drawing:
     name: str
     png: bytes
     svg: bytes
+    pdf: bytes
     width_in: float
     height_in: float
+
+    def content(self, ending: str) -> bytes:
+        """Return the content of the file with this ending.
+
+        Parameters
+        ----------
+        ending
+            One of `ENDINGS`.
+        """
+        return {".png": self.png, ".svg": self.svg, ".pdf": self.pdf}[ending]
 
 
 def draw_figures(result: EvaluationResult) -> list[Drawing]:
@@ -71,7 +87,7 @@ def draw_figures(result: EvaluationResult) -> list[Drawing]:
 
 
 def write_drawings(drawings: Iterable[Drawing], folder: str | Path) -> list[Path]:
-    """Write each drawing as PNG and SVG; return the paths.
+    """Write each drawing as PNG, SVG and PDF; return the paths.
 
     Parameters
     ----------
@@ -84,9 +100,9 @@ def write_drawings(drawings: Iterable[Drawing], folder: str | Path) -> list[Path
     folder.mkdir(parents=True, exist_ok=True)
     paths: list[Path] = []
     for drawing in drawings:
-        for suffix, content in ((".png", drawing.png), (".svg", drawing.svg)):
-            paths.append(folder / f"{drawing.name}{suffix}")
-            paths[-1].write_bytes(content)
+        for ending in ENDINGS:
+            paths.append(folder / f"{drawing.name}{ending}")
+            paths[-1].write_bytes(drawing.content(ending))
     return paths
 
 
@@ -113,7 +129,7 @@ def write_report_files(
 
 
 def write_figures(result: EvaluationResult, folder: str | Path) -> list[Path]:
-    """Draw all figures and write each as PNG (200 dpi) and SVG; return the paths.
+    """Draw all figures and write each as PNG (200 dpi), SVG and PDF; return the paths.
 
     Parameters
     ----------
@@ -126,7 +142,7 @@ def write_figures(result: EvaluationResult, folder: str | Path) -> list[Path]:
 
 
 def drawn(name: str, figure: Figure) -> Drawing:
-    """Return a figure laid out and drawn once, as the content of two files; call it inside `style`.
+    """Return a figure laid out once, as the content of its files; call it inside `style`.
 
     Parameters
     ----------
@@ -135,7 +151,8 @@ def drawn(name: str, figure: Figure) -> Drawing:
     figure
         The figure; it is not to be changed afterwards.
     """
-    png, svg = io.BytesIO(), io.BytesIO()
+    doing(name)
+    png, svg, pdf = io.BytesIO(), io.BytesIO(), io.BytesIO()
     # With a layout engine in place, Matplotlib would lay out and draw each file twice.
     engine = figure.get_layout_engine()
     if engine is not None:
@@ -144,5 +161,6 @@ def drawn(name: str, figure: Figure) -> Drawing:
     # No software version and no date: the same result gives the same bytes.
     figure.savefig(png, format="png", metadata={"Software": None}, pil_kwargs={"compress_level": 3})
     figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": None})
-    width_in, height_in = figure.get_size_inches()
-    return Drawing(name, png.getvalue(), svg.getvalue(), float(width_in), float(height_in))
+    figure.savefig(pdf, format="pdf", metadata={"CreationDate": None, "Creator": None, "Producer": None})
+    width_in, height_in = (float(size) for size in figure.get_size_inches())
+    return Drawing(name, png.getvalue(), svg.getvalue(), pdf.getvalue(), width_in, height_in)

@@ -239,7 +239,17 @@ class Decisions:
 
     @classmethod
     def at_once(cls, kind: IntArray, in_use: IntArray, t_s: FloatArray) -> "Decisions":
-        """Messages that leave now, at the radio's own power, and are taken for received."""
+        """Messages that leave now, at the radio's own power, and are taken for received.
+
+        Parameters
+        ----------
+        kind
+            `MessageKind` of each vehicle, (B,).
+        in_use
+            Sub-model of each vehicle afterwards, (B,).
+        t_s
+            Now, by the clock of each vehicle, (B,) [s].
+        """
         sends = kind != MessageKind.NOTHING
         return cls(
             kind,
@@ -297,13 +307,31 @@ class AbstractTransmitPolicy(abc.ABC, Generic[State]):
 
     @abc.abstractmethod
     def init(self, vehicles: int, sub_models: int) -> State:
-        """Return the state of that many vehicles before their first sample."""
+        """Return the state of that many vehicles before their first sample.
+
+        Parameters
+        ----------
+        vehicles
+            How many, B.
+        sub_models
+            How many sub-models each may name.
+        """
 
     @abc.abstractmethod
     def decide(
         self, state: State, inputs: TransmitInputs, rng: np.random.Generator
     ) -> tuple[Decisions, State]:
-        """Return the decisions of one instant and the state after it; the given state is left alone."""
+        """Return the decisions of one instant and the state after it.
+
+        Parameters
+        ----------
+        state
+            As `init` or `decide` gave it; it is left alone.
+        inputs
+            What B vehicles know at this instant.
+        rng
+            Where chance comes from.
+        """
 
 
 def takes_threshold(policy: AbstractTransmitPolicy[Any]) -> bool:

@@ -136,6 +136,11 @@ class J2945(AbstractTransmitPolicy[J2945State]):
     def phases(self, vehicles: int) -> FloatArray:
         """Where in a timer's interval each of so many vehicles begins, (B,).
 
+        Parameters
+        ----------
+        vehicles
+            How many, B.
+
         Raises
         ------
         ValueError

@@ -1,0 +1,36 @@
+"""A Sphinx extension: what screen readers cannot say of Sphinx's pages is written otherwise.
+
+The parameters of a long signature are definitions without a term; here they are lines. An empty cell in a
+table's head is a heading without words; here it is a cell.
+"""
+
+import re
+from typing import Any
+
+from docutils import nodes
+from sphinx.application import Sphinx
+
+__all__ = ["setup"]
+
+_PARAMETERS = re.compile(r"<dl>\n((?:<dd>.*</dd>\n)+)</dl>")
+_EMPTY_HEADING = re.compile(r"<th([^>]*)>\s*(?:<p>\s*</p>)?\s*</th>")
+
+
+def _lines(found: re.Match[str]) -> str:
+    """The same in elements without a meaning of their own; a signature is inline text."""
+    lines = found[1].replace("<dd>", '<span class="sig-line">').replace("</dd>", "</span>")
+    return f"<span>\n{lines}</span>"
+
+
+def _rewrite(
+    _app: Sphinx, _name: str, _template: str, context: dict[str, Any], _doctree: nodes.document | None
+) -> None:
+    """Rewrite a page."""
+    if "body" in context:
+        context["body"] = _EMPTY_HEADING.sub(r"<td\1></td>", _PARAMETERS.sub(_lines, context["body"]))
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Take part in a build."""
+    app.connect("html-page-context", _rewrite)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
