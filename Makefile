@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo demo-live docs test test-only verify check lint types bench bench-paired mutate fuzz paper validate soak setup setup-dev lock clean same
+.PHONY: demo demo-live docs test test-only verify check lint types bench bench-paired mutate fuzz figures paper validate soak setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -73,6 +73,12 @@ validate: setup-dev
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3_error_tables.py $(MODELCAST_NS3_PYTHON))
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3_load.py $(MODELCAST_NS3_PYTHON) --keep out/ns3-load)
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/closed_loop_ns3.py out/closed-loop-ns3)
+
+# The tables of README.md and docs that take seconds; FIGURES_ARGUMENTS are the script's: --check compares, --only NAME makes
+# others, --list says what makes what, --numbers lists numbers in prose that no table has.
+FIGURES_ARGUMENTS ?=
+figures: setup-dev
+	$(BIN)/python validation/figures.py $(FIGURES_ARGUMENTS)
 
 # docs/paper.md, and the paper's blocks of README.md and docs/results.md; needs MODELCAST_DATA.
 paper: setup-dev

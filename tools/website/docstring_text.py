@@ -1,8 +1,8 @@
 """A Sphinx extension: docstrings and signatures read as their authors wrote them.
 
-The first line of a property may have a colon without naming a type. Annotations are evaluated, and so no
-longer tell the project's names of arrays and bounds: arrays are ``NDArray`` of a kind again, and bounds, which
-the text has, are left out.
+The first line of a property may have a colon without naming a type. Annotations are evaluated, and no longer
+tell the names of arrays and bounds: arrays are ``NDArray`` of a kind again, and bounds, which the text has, are
+left out.
 """
 
 import re
@@ -27,7 +27,7 @@ _BOUND = re.compile(
 
 def _keep_colon(_app: Sphinx, what: str, _name: str, _thing: Any, _options: Any, lines: list[str]) -> None:
     """Begin the text of a property with a comment: napoleon takes what stands before a colon for a type."""
-    if what in {"attribute", "data", "property"}:
+    if what in {"attribute", "property"}:
         lines[:0] = ["..", ""]
 
 
