@@ -1,5 +1,6 @@
 """Sphinx's settings; ``build.py`` gathers the sources and starts it."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -53,7 +54,8 @@ html_js_files = ["copy.js"]
 html_copy_source = False
 html_show_sourcelink = False
 html_use_index = False
-html_context = {"default_mode": "auto"}
+html_context = {"default_mode": "auto", "site_base": os.environ.get("SITE_BASE", "/")}
+html_additional_pages = {"404": "404.html"}
 html_theme_options = {
     "show_toc_level": 2,
     "header_links_before_dropdown": 8,

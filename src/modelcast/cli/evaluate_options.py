@@ -112,6 +112,9 @@ class EvaluateOptions:
         cooperative awareness messages.
     map
         Manoeuvre to draw, as TRIP@SECONDS; the sharpest where not given.
+    detail
+        Which of the thresholds the figures of sub-models, manoeuvre and single trips show [m]; the first one
+        where not given.
     quantised
         Predict with what a message can say, at sender and host alike.
     road
@@ -150,6 +153,7 @@ class EvaluateOptions:
     velocity: VelocityRule = "auto"
     references: bool = True
     map: str | None = None
+    detail: float | None = None
     quantised: bool = True
     road: str = "own"
     leader: bool = True
@@ -216,15 +220,18 @@ class EvaluateOptions:
         from modelcast.core.exceptions import ConfigError
         from modelcast.core.rules import check
         from modelcast.messages.airtime import Stack
+        from modelcast.station.banks import free_receiver
         from modelcast.study.settings import EvaluationSettings
 
+        profile = profile_in_use(self.profile)
         named = bank_in_use(
             self.bank,
             noise_floor_m=self.noise_floor,
             window=self.window,
             trusted_horizon_s=self.trusted_horizon or None,
-            profile=profile_in_use(self.profile),
+            profile=profile,
         )
+        free = free_receiver(named.profile or profile)
         start, identify = self.start or named.start, self.identify or named.identify
         try:
             found = EvaluationSettings(
@@ -250,10 +257,13 @@ class EvaluateOptions:
                 keep_samples=self.samples,
                 references=self.references,
                 map_at=_map_at(self.map),
+                detail_threshold_m=self.detail,
                 velocity=self.velocity,
                 quantised=self.quantised,
                 stack=Stack(self.certificates),
                 context=context_settings(self.road, leader=self.leader),
+                free=free.bank,
+                free_trained_on=free.trained_on,
                 decides=None if self.policy is None else policy_that_decides(self.policy),
                 decided_by=self.policy or "",
             )
