@@ -60,7 +60,7 @@ def test_a_heading_may_go_on_over_four_turns_and_no_further(heading: float, take
         assert len(read_trips(made.write("a.csv", text))[0]) == 5
         assert len(build_trajectory("a", t_s, position_m, heading_rad=[heading] * 5)) == 5
         return
-    with pytest.raises(DataFormatError, match="too large for radians.*heading_deg=heading_rad"):
+    with pytest.raises(DataFormatError, match=r"too large for radians.*heading_deg=heading_rad"):
         list(read_trips(made.write("a.csv", text)))
-    with pytest.raises(ValueError, match="a: heading_rad is .* at sample 0, too large for radians"):
+    with pytest.raises(ValueError, match=r"a: heading_rad is .* at sample 0, too large for radians"):
         build_trajectory("a", t_s, position_m, heading_rad=[heading] * 5)

@@ -16,7 +16,7 @@ from typing import Any
 
 from cyclopts import App, CycloptsError, Group
 
-from modelcast.cli.command_list import COMMAND_GROUPS, COMMANDS, FIRST_STEPS, list_commands
+from modelcast.cli.command_list import COMMAND_GROUPS, FIRST_STEPS, list_commands
 from modelcast.cli.signals import INTERRUPTED, TERMINATED, Terminated, taken
 from modelcast.cli.terminal import complain, say
 from modelcast.cli.usage import usage_problem
