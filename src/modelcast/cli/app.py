@@ -16,13 +16,13 @@ from typing import Any
 
 from cyclopts import App, CycloptsError, Group
 
-from modelcast.cli.command_list import COMMAND_GROUPS, FIRST_STEPS, list_commands
+from modelcast.cli.command_list import COMMAND_GROUPS, COMMANDS, FIRST_STEPS, list_commands
 from modelcast.cli.signals import INTERRUPTED, TERMINATED, Terminated, taken
 from modelcast.cli.terminal import complain, say
 from modelcast.cli.usage import usage_problem
 from modelcast.core.exceptions import ModelcastError, ModelcastWarning
 
-__all__ = ["BROKEN_PIPE", "COMMANDS", "USAGE", "run"]
+__all__ = ["BROKEN_PIPE", "USAGE", "app", "run"]
 
 _REMEDIES = {
     errno.ENOENT: ". Check the path.",
