@@ -77,6 +77,7 @@ def test_claims_are_a_table_for_programs_too(done: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_processes_and_repetition_change_no_byte(drives: list[Path], done: Path, tmp_path: Path) -> None:
     again = tmp_path / "again"
     words = ["reproduce", "paper", *map(str, drives), *SMALL, "--jobs", "2", "--quiet"]
@@ -148,6 +149,7 @@ def test_the_richest_trip_is_picked_and_the_others_are_named(drives: list[Path],
     assert f"picked {first}: {ranked[0]} manoeuvres, the most of 2 trips" in (out / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_traffic_is_run_beside_the_report_and_taken_up_again(drives: list[Path], tmp_path: Path) -> None:
     words = ["reproduce", "paper", str(drives[0]), "--threshold", "0.5", "--per", "0.4", "--seeds", "1"]
     words += ["--jobs", "1", "--quiet", "--traffic", "--traffic-density", "2", "--out", str(tmp_path / "out")]
