@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo demo-live docs test test-only verify check lint types bench bench-paired mutate fuzz paper validate soak setup setup-dev lock clean same
+.PHONY: demo demo-live docs test test-only verify check lint types bench bench-paired mutate fuzz figures paper validate soak setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -14,8 +14,9 @@ demo-live: $(VENV)/.node
 	$(BIN)/modelcast demo-live $(DEMO_LIVE_ARGUMENTS)
 
 # The documentation site, out/site/index.html; a broken link, a page in no menu or a docstring that does not parse ends it.
+# DOCS_ARGUMENTS are the script's (--out, --base).
 docs: $(VENV)/.docs
-	$(BIN)/python tools/website/build.py
+	$(BIN)/python tools/website/build.py $(DOCS_ARGUMENTS)
 
 # Bytecode is kept whatever the environment says: tests start hundreds of interpreters, most of which would else be
 # compiling modelcast's sources. pyright is one process that waits for nobody, so it runs beside the tests.
@@ -72,6 +73,12 @@ validate: setup-dev
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3_error_tables.py $(MODELCAST_NS3_PYTHON))
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3_load.py $(MODELCAST_NS3_PYTHON) --keep out/ns3-load)
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/closed_loop_ns3.py out/closed-loop-ns3)
+
+# The tables of README.md and docs that take seconds; FIGURES_ARGUMENTS are the script's: --check compares, --only NAME makes
+# others, --list says what makes what, --numbers lists numbers in prose that no table has.
+FIGURES_ARGUMENTS ?=
+figures: setup-dev
+	$(BIN)/python validation/figures.py $(FIGURES_ARGUMENTS)
 
 # docs/paper.md, and the paper's blocks of README.md and docs/results.md; needs MODELCAST_DATA.
 paper: setup-dev
