@@ -6,10 +6,9 @@ Nothing is printed here; the command line hands what `console_report` returns to
 from collections.abc import Iterable, Mapping, Sequence
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 
 from modelcast.core.cells import Cells
-from modelcast.report.console_table import console_table
+from modelcast.report.console_table import ConsoleTable, console_table
 from modelcast.report.headline import (
     SHOWN_POLICIES,
     Headline,
@@ -156,7 +155,7 @@ def scope_line(result: EvaluationResult) -> str:
     return f"{_counted(len(result.trips), 'trip')}, {hours:.2f} h, protocol: {protocols}{left_out}"
 
 
-def rates_table(result: EvaluationResult) -> Table:
+def rates_table(result: EvaluationResult) -> ConsoleTable:
     """Return the pooled message rates at each threshold, the model-based sender's beside the baseline's."""
     sender = sender_label(result)
     heads = (
@@ -185,7 +184,7 @@ def rates_table(result: EvaluationResult) -> Table:
     return console_table(Cells(heads, rows, 0), title)
 
 
-def tracking_table(result: EvaluationResult) -> Table:
+def tracking_table(result: EvaluationResult) -> ConsoleTable:
     """Return the pooled 90th percentile of the tracking error, without loss and near a ratio of 0.4."""
     shown = [(ratio, policy) for ratio in _shown_ratios(result) for policy in SHOWN_POLICIES]
     sender = sender_label(result)
@@ -197,12 +196,10 @@ def tracking_table(result: EvaluationResult) -> Table:
     return console_table(Cells(["threshold", *heads], rows, 0), title)
 
 
-def failures_table(failures: Mapping[str, str]) -> Table:
+def failures_table(failures: Mapping[str, str]) -> ConsoleTable:
     """Return the trips that could not be evaluated, each with its reason."""
     title = f"Not evaluated: {_counted(len(failures), 'trip')}"
-    shown = console_table(Cells(("trip", "reason"), sorted(failures.items())), title)
-    shown.columns[0].max_width = 36
-    return shown
+    return console_table(Cells(("trip", "reason"), sorted(failures.items())), title, longest=36)
 
 
 def _shown_ratios(result: EvaluationResult) -> Sequence[float]:
