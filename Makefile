@@ -14,8 +14,9 @@ demo-live: $(VENV)/.node
 	$(BIN)/modelcast demo-live $(DEMO_LIVE_ARGUMENTS)
 
 # The documentation site, out/site/index.html; a broken link, a page in no menu or a docstring that does not parse ends it.
+# DOCS_ARGUMENTS are the script's (--out, --base).
 docs: $(VENV)/.docs
-	$(BIN)/python tools/website/build.py
+	$(BIN)/python tools/website/build.py $(DOCS_ARGUMENTS)
 
 # Bytecode is kept whatever the environment says: tests start hundreds of interpreters, most of which would else be
 # compiling modelcast's sources. pyright is one process that waits for nobody, so it runs beside the tests.

@@ -128,7 +128,7 @@ def pooled(staged: Sequence[Staged], bank: Bank, settings: EvaluationSettings) -
         case = trip.case
         ready = TripRuntime(case.seen, bank, case.estimator, quantised=True)
         for threshold_m in THRESHOLDS_M:
-            walks = walks_under_loss(ready, settings, threshold_m)
+            walks = walks_under_loss([ready], settings, threshold_m)
             own = trip.rivals["cv"].walked(ready, walks, Contender("own", bank.name, None, threshold_m))
             pool.messages += sum(own.messages)
             pool.add("own", threshold_m, own, case.truth.dt_s)

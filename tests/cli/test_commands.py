@@ -76,8 +76,8 @@ def test_the_summary_has_the_keys_that_are_promised(done: Path) -> None:
     tracking_keys = {"trip", "policy", "threshold_m", "packet_error_ratio", "bank", "rate_basis", "seeds"}
     tracking_keys |= {f"pte_{name}_m" for name in ("mean", "p50", "p90", "p90_low", "p90_high", "p95", "p99")}
     assert tracking_keys <= set(summary["tracking"][0])
-    assert {row["policy"] for row in summary["rates"]} == {"mbc", "baseline"}
-    policies = {"mbc", "baseline", "baseline-periodic", "baseline-matched"}
+    assert {row["policy"] for row in summary["rates"]} == {"mbc", "baseline", "free"}
+    policies = {"mbc", "baseline", "baseline-periodic", "baseline-matched", "free", "free-matched"}
     assert {row["policy"] for row in summary["tracking"]} == policies
     assert {row["rate_basis"] for row in summary["tracking"]} == {"update", "total", None}
     assert {row["trip"] for row in summary["tracking"]} == {"all", "drive/1"}

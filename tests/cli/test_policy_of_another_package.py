@@ -11,7 +11,7 @@ import pytest
 import modelcast
 from modelcast.cli.app import run
 from modelcast.cli.evaluate_options import EvaluateOptions
-from modelcast.study.rules import BASELINES
+from modelcast.study.rules import RIVALS
 
 POLICY = """from dataclasses import dataclass
 
@@ -119,16 +119,18 @@ def test_rows_console_report_and_trace_name_the_policy_that_decides(
     assert run([*words, "--policy", WORD, "--out", str(out), "--trace", str(trace)]) == 0
     told = capsys.readouterr().out
     summary = json.loads((out / "summary.json").read_text())
-    assert {row["policy"] for row in summary["rates"]} == {WORD, "baseline"}
-    assert {row["policy"] for row in summary["tracking"]} == {WORD, *BASELINES}
-    assert set(pl.read_parquet(out / "events.parquet")["policy"].unique()) == {WORD, "baseline"}
+    assert {row["policy"] for row in summary["rates"]} == {WORD, "baseline", "free"}
+    assert {row["policy"] for row in summary["tracking"]} == {WORD, *RIVALS}
+    assert set(pl.read_parquet(out / "events.parquet")["policy"].unique()) == {WORD, "baseline", "free"}
     rate_hz = {row["policy"]: row["total_rate_hz"] for row in summary["rates"] if row["trip"] == "all"}
     assert rate_hz[WORD] == pytest.approx(2.0, abs=0.05)
     html = (out / "report.html").read_text()
+    for text in ("updates", "/ baseline"):
+        assert f"{WORD} {text}" in html
+    assert f"at {WORD}" in html
+    assert f"rate as {WORD}" in told
     for text in (told, html):
-        assert f"{WORD} updates" in text
-        assert f"{WORD} / baseline" in text
-        assert f"at {WORD}" in text
+        assert f"{WORD} (a policy for model-based communication" in text
         assert "MBC" not in text.replace("Which of MBC", "")
     assert f"{rate_hz[WORD]:.3g}" in told
     assert len(trace.read_text().splitlines()) > 100

@@ -1,5 +1,6 @@
 """What the site is gathered from, and what its checks find; `tests/verify/test_site.py` builds it."""
 
+import json
 import re
 import shutil
 import sys
@@ -131,9 +132,8 @@ def test_a_link_to_nothing_is_told(project: Project, tmp_path: Path) -> None:
 
 def test_notebooks_and_programs_become_pages(project: Project, tmp_path: Path) -> None:
     root = project("", docs__a="[n](../n.ipynb) [p](../p.py)")
-    prose = '{"cell_type": "markdown", "source": ["# Title"]}'
-    cells = f'{{"cells": [{prose}, {{"cell_type": "code", "source": ["1 + 1"]}}]}}'
-    (root / "n.ipynb").write_text(cells)
+    cells = [{"cell_type": "markdown", "source": ["# Title"]}, {"cell_type": "code", "source": ["1 + 1"]}]
+    (root / "n.ipynb").write_text(json.dumps({"cells": cells}))
     (root / "p.py").write_text("print()\n")
     out = tmp_path / "out"
     write_sources(root, out, [PurePosixPath("docs/a.md")], {})

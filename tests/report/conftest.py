@@ -25,9 +25,20 @@ POLICIES = (
     ("baseline-matched", "update"),
     ("baseline-periodic", "total"),
     ("baseline-periodic", "update"),
+    ("free", None),
+    ("free-matched", "total"),
+    ("free-matched", "update"),
 )
 VOID = {"input", "meta", "img", "br"}
-SCALE = {"mbc": 0.8, "baseline": 1.0, "baseline-matched": 1.1, "baseline-periodic": 1.5}
+SCALE = {
+    "mbc": 0.8,
+    "baseline": 1.0,
+    "baseline-matched": 1.1,
+    "baseline-periodic": 1.5,
+    "free": 0.85,
+    "free-matched": 0.9,
+}
+BANKS = {"mbc": "cv+gp", "free": "free", "free-matched": "free"}
 
 
 class Page(HTMLParser):
@@ -94,7 +105,7 @@ def build_result(
         rates=RATES.table(
             _rate(n, at, p, th)
             for at, n in enumerate(names)
-            for p in ("mbc", "baseline")
+            for p in ("mbc", "baseline", "free")
             for th in thresholds
         ),
         tracking=TRACKING.table(
@@ -165,14 +176,13 @@ def _block(trip: str, basis: str | None, ratios: Sequence[float]) -> SampleBlock
 
 
 def _rate(trip: str, at: int, policy: str, threshold_m: float) -> Row:
-    total = (1.9 - 1.6 * threshold_m if policy == "mbc" else 2.0 - 2.0 * threshold_m) * (
-        1 + 0.25 * np.sin(at)
-    )
+    start, slope = {"mbc": (1.9, 1.6), "free": (1.95, 1.7), "baseline": (2.0, 2.0)}[policy]
+    total = (start - slope * threshold_m) * (1 + 0.25 * np.sin(at))
     identifications = 0.3 * total if policy == "mbc" else 0.0
     return RATES.row(
         trip=trip,
         policy=policy,
-        bank="cv+gp" if policy == "mbc" else "cv",
+        bank=BANKS.get(policy, "cv"),
         threshold_m=threshold_m,
         updates=round(600 * (total - identifications)),
         identifications=round(600 * identifications),
@@ -195,7 +205,7 @@ def _tracking(
     return TRACKING.row(
         trip=trip,
         policy=policy,
-        bank="cv+gp" if policy == "mbc" else "cv",
+        bank=BANKS.get(policy, "cv"),
         rate_basis=basis,
         threshold_m=threshold_m,
         own_threshold_m=None if policy == "baseline-periodic" else threshold_m,

@@ -2,13 +2,18 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib import rcParams
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from matplotlib.text import Text
 
+from modelcast.report.captions import captions
 from modelcast.report.figures import (
     FIGURES,
     plot_distribution,
@@ -22,12 +27,16 @@ from modelcast.report.figures import (
 from modelcast.report.figures.coverage import plot_coverage, plot_times
 from modelcast.report.figures.files import ENDINGS
 from modelcast.report.figures.trips import MOST_ROWS
+from modelcast.report.headline import SAME_RATE, SAME_THRESHOLD
 from modelcast.report.style import POLICY_COLOURS, style
 from modelcast.study.coverage import COVERAGE, FORMS, TIMES
 from modelcast.study.result import RATES, REFERENCES, TRACKING, EvaluationResult
 from modelcast.study.table import Table, TableSchema
 
 Make = Callable[..., EvaluationResult]
+
+_TOUCH_PX = 0.5
+"""Texts may touch: extents are rounded outwards to whole pixels."""
 
 
 def draw_all(result: EvaluationResult) -> None:
@@ -41,25 +50,26 @@ def test_bar_heights_are_the_pooled_rates(make_result: Make) -> None:
     result = make_result()
     axes = plot_rates(result).axes[0]
     rows = {(row.policy, row.threshold_m): row for row in result.rates if row.trip == "all"}
-    updates, identifications, baseline = axes.containers
+    updates, identifications, free, baseline = axes.containers
     for at, threshold in enumerate((0.2, 0.3, 0.4, 0.5)):
         mbc = rows["mbc", threshold]
         assert updates[at].get_height() == mbc.update_rate_hz
         assert identifications[at].get_y() == mbc.update_rate_hz
         assert identifications[at].get_height() == pytest.approx(mbc.identification_rate_hz)
+        assert free[at].get_height() == rows["free", threshold].total_rate_hz
         assert baseline[at].get_height() == rows["baseline", threshold].total_rate_hz
 
 
-def test_the_panel_below_shows_the_airtime_of_both(make_result: Make) -> None:
+def test_the_panel_below_shows_the_airtime_of_all(make_result: Make) -> None:
     result = make_result()
     rows = {(row.policy, row.threshold_m): row for row in result.rates if row.trip == "all"}
-    own, baseline = plot_rates(result).axes[1].containers
-    for at, threshold in enumerate((0.2, 0.3, 0.4, 0.5)):
-        assert own[at].get_height() == 1000 * rows["mbc", threshold].airtime_per_s
-        assert baseline[at].get_height() == 1000 * rows["baseline", threshold].airtime_per_s
+    bars = plot_rates(result).axes[1].containers
+    for own, policy in zip(bars, ("mbc", "free", "baseline"), strict=True):
+        for at, threshold in enumerate((0.2, 0.3, 0.4, 0.5)):
+            assert own[at].get_height() == 1000 * rows[policy, threshold].airtime_per_s
 
 
-def test_reference_lines_lie_at_the_pooled_rates_and_are_named(make_result: Make) -> None:
+def with_references(result: EvaluationResult, cam_hz: float) -> EvaluationResult:
     references = [
         REFERENCES.row(
             trip=trip,
@@ -74,36 +84,50 @@ def test_reference_lines_lie_at_the_pooled_rates_and_are_named(make_result: Make
         for trip in ("all", "kerbside/1")
         for name, threshold_m, rate_hz in (
             *(("clairvoyant-2", th, 0.5 - th / 2) for th in (0.2, 0.3, 0.4, 0.5)),
-            ("cam", None, 2.5),
+            ("cam", None, cam_hz),
         )
     ]
-    figure = plot_rates(replace(make_result(), references=REFERENCES.table(references)))
+    return replace(result, references=REFERENCES.table(references))
+
+
+def test_reference_lines_lie_at_the_pooled_rates_and_are_named(make_result: Make) -> None:
+    figure = plot_rates(with_references(make_result(), 1.8))
     axes = figure.axes[0]
     drawn = axes.collections[-1].get_segments()
     assert [line[0][1] for line in drawn] == pytest.approx([0.4, 0.35, 0.3, 0.25])
-    assert axes.get_lines()[-1].get_ydata() == pytest.approx([2.5, 2.5])
+    assert axes.get_lines()[-1].get_ydata() == pytest.approx([1.8, 1.8])
     names = [text.get_text() for text in figure.legends[0].get_texts()]
     assert names[-2:] == ["ETSI CAM rules", "Known future, degree 2"]
+
+
+def test_a_reference_off_the_scale_is_told_and_no_legend_names_it(make_result: Make) -> None:
+    figure = plot_rates(with_references(make_result(), 9.0))
+    assert figure.axes[0].get_title(loc="right") == "ETSI CAM rules: 9.00/s, off the scale"
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "ETSI CAM rules" not in names
+    assert figure.axes[0].get_ylim()[1] < 9.0
 
 
 def test_distribution_curves_are_the_ecdfs_at_the_nearest_ratio(make_result: Make) -> None:
     result = make_result(ratios=(0.0, 0.3, 0.6))
     panels = plot_distribution(result).axes
-    assert "packet error ratio 30 %" in panels[0].get_title()
+    assert [axes.get_title() for axes in panels[:2]] == ["Same threshold, 20 cm", "Same rate, 20 cm"]
     curve = next(
         item
         for item in result.ecdfs
         if (item.policy, item.rate_basis, item.threshold_m, item.packet_error_ratio)
         == ("baseline-matched", "total", 0.3, 0.3)
     )
-    line = next(item for item in panels[1].get_lines() if item.get_color() == POLICY_COLOURS[curve.policy])
+    line = next(item for item in panels[3].get_lines() if item.get_color() == POLICY_COLOURS[curve.policy])
     np.testing.assert_array_equal(line.get_xdata(), curve.tracking_error_m)
     np.testing.assert_array_equal(line.get_ydata(), curve.probability)
 
 
 def test_loss_curves_are_the_pooled_rows_in_percent(make_result: Make) -> None:
     result = make_result()
-    axes = plot_loss(result).axes[3]
+    panels = plot_loss(result).axes
+    assert {axes.get_yscale() for axes in panels} == {"log"}
+    axes = panels[7]
     rows = [
         row
         for row in result.tracking
@@ -113,7 +137,17 @@ def test_loss_curves_are_the_pooled_rows_in_percent(make_result: Make) -> None:
     line = next(x for x in axes.get_lines() if x.get_color() == POLICY_COLOURS["baseline-periodic"])
     np.testing.assert_allclose(line.get_xdata(), [0, 20, 40, 60])
     np.testing.assert_array_equal(line.get_ydata(), [row.pte_p90_m for row in rows])
-    assert len(axes.collections) == 3, "one confidence band a policy"
+    assert len(axes.collections) == 4, "one confidence band a policy"
+    assert "MBC 1.40, free 1.40, baseline 1.40" in panels[6].get_title(), "what that reading costs"
+
+
+def test_both_readings_stand_side_by_side_with_the_free_receiver_in_each(make_result: Make) -> None:
+    result = make_result()
+    for plot in (plot_loss, plot_distribution):
+        panels = plot(result).axes
+        for axes, roles in ((panels[0], SAME_THRESHOLD), (panels[1], SAME_RATE)):
+            drawn = {line.get_color() for line in axes.get_lines()}
+            assert drawn >= {POLICY_COLOURS[role] for role in roles}
 
 
 def test_one_seed_has_no_bands(make_result: Make) -> None:
@@ -196,6 +230,62 @@ def test_every_figure_draws_for_a_result_without_rows(make_result: Make) -> None
         ecdfs=(),
     )
     draw_all(empty)
+
+
+def crossing(figure: Figure) -> list[tuple[str, str]]:
+    """Pairs of texts of a figure, laid out and drawn, that lie upon each other."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    hidden = {
+        label
+        for axes in figure.axes
+        for axis in (axes.xaxis, axes.yaxis)
+        for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks())
+        for label in (tick.label1, tick.label2)
+        # Marks beyond the limits of their axis are kept and not drawn.
+        if not min(axis.get_view_interval()) <= tick.get_loc() <= max(axis.get_view_interval())
+    }
+    boxes = [
+        (text.get_text(), text.get_window_extent(canvas.get_renderer()).padded(-_TOUCH_PX))
+        for text in figure.findobj(Text)
+        if isinstance(text, Text) and text.get_visible() and text.get_text().strip() and text not in hidden
+    ]
+    return [(one, other) for (one, box), (other, at) in combinations(boxes, 2) if box.overlaps(at)]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"thresholds": (0.5,)}, {"thresholds": tuple(k / 10 for k in range(1, 8))}, {"trips": ("only/1",)}],
+    ids=["four thresholds", "one", "seven", "one trip"],
+)
+def test_no_two_texts_of_a_figure_cross(make_result: Make, options: dict[str, object]) -> None:
+    result = with_references(make_result(**options), 9.0)
+    with style():
+        for name, plot in FIGURES.items():
+            assert not crossing(plot(result)), name
+
+
+def test_crossing_texts_are_found(make_result: Make) -> None:
+    with style():
+        figure = plot_rates(make_result())
+        figure.axes[0].text(0.5, 0.5, "one", transform=figure.axes[0].transAxes)
+        figure.axes[0].text(0.5, 0.5, "other", transform=figure.axes[0].transAxes)
+        assert ("one", "other") in crossing(figure)
+
+
+def test_a_trip_alone_has_its_whole_name_and_trips_of_one_file_the_rest(make_result: Make) -> None:
+    for trips, shown in ((("drive/0",), ["drive/0"]), (("drive/0", "drive/1"), ["0", "1"])):
+        axes = plot_trips(make_result(trips=trips)).axes[0]
+        assert sorted(label.get_text() for label in axes.get_yticklabels()) == shown
+
+
+def test_all_details_are_shown_at_one_threshold(make_result: Make) -> None:
+    """The one asked for, else the first."""
+    plain = make_result()
+    asked = replace(plain, settings={**plain.settings, "detail_threshold_m": 0.4})
+    for result, shown in ((plain, "20 cm"), (asked, "40 cm")):
+        assert f"Threshold {shown}" in plot_trips(result).axes[0].get_title()
+        assert sum(shown in text for text in captions(result).values()) == 3
 
 
 def test_undefined_values_leave_holes_not_errors(make_result: Make) -> None:

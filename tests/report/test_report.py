@@ -50,7 +50,9 @@ def test_report_says_what_the_labels_mean(make_result: Make, tmp_path: Path, rea
         "the log is both input and truth",
         "a keep-alive after 2 s",
         "after the instant's message",
-        "The baselines send as often as MBC (updates and identifications counted)",
+        "all send as often as MBC (updates and identifications counted)",
+        "model-based communication: a vehicle sends a small model of its motion",
+        "At the same rate: the same percentile",
         "protocol: recorded, sensor",
         "no fix: 10",
         "sigma m",
@@ -65,7 +67,7 @@ def test_report_says_what_the_labels_mean(make_result: Make, tmp_path: Path, rea
     [
         ({"keep_alive_s": None}, "independent losses and no keep-alive"),
         ({"keep_alive_s": 1.0, "mean_burst_s": 0.5}, "losses in bursts of 0.5 s on average and a keep-alive"),
-        ({}, "with independent losses;"),
+        ({}, "with independent losses."),
     ],
 )
 def test_report_claims_only_what_the_settings_say(
@@ -115,14 +117,24 @@ def test_console_fits_in_100_columns_and_shows_the_rates(make_result: Make) -> N
     text = printed(make_result())
     assert max(len(line) for line in text.splitlines()) <= 100
     assert "…" not in text
-    for value in ("20 cm", "1.58", "1.60", "0.99", "PER 40 %", "fewer than 11 samples [bold]", "in metres"):
+    for value in (
+        "20 cm",
+        "1.58",
+        "1.60",
+        "0.99",
+        "40 %",
+        "fewer than 11 samples [bold]",
+        "in metres",
+        "MBC (model-based",
+    ):
         assert value in text, value
 
 
 def test_console_of_rates_alone(make_result: Make) -> None:
     text = printed(replace(make_result(), tracking=TRACKING.table(), failures={}))
-    assert "MBC total" in text
-    assert "PER" not in text
+    assert "Same threshold: messages per second" in text
+    assert "p90" not in text
+    assert "Errors were not measured" in text
 
 
 def test_frames_have_the_same_types_with_and_without_rows(make_result: Make) -> None:
@@ -160,7 +172,7 @@ def test_sample_rows_run_over_ratios_seeds_and_instants(make_result: Make) -> No
 def test_warnings_stand_before_any_figure(make_result: Make) -> None:
     result = make_result()
     shown = printed(result)
-    assert shown.index("warning: rate") < shown.index("Messages per second")
+    assert shown.index("warning: rate") < shown.index("messages per second")
     document = report_document(result, ())
     assert document.index("sampled at &lt;5&gt; Hz") < document.index("<h2>Result</h2>")
     clean = replace(result, trips=tuple(replace(trip, warnings={}) for trip in result.trips))

@@ -95,7 +95,9 @@ def test_a_parked_car_has_no_moving_rate() -> None:
     assert rates(result, "mbc")[POOLED].updates == 1
 
 
-@pytest.mark.parametrize("policy", ["mbc", "baseline", "baseline-matched", "baseline-periodic"])
+@pytest.mark.parametrize(
+    "policy", ["mbc", "baseline", "baseline-matched", "baseline-periodic", "free", "free-matched"]
+)
 def test_pooled_quantiles_weigh_each_sample_by_its_time(both: EvaluationResult, policy: str) -> None:
     blocks = [one for one in both.samples if one.policy == policy and one.rate_basis in (None, "total")]
     steps_s = {trip.id: trip.dt_s for trip in both.trips}
@@ -173,7 +175,9 @@ def test_a_trip_too_short_for_a_window_fails_and_the_rest_is_complete(drive: Tra
     t = np.arange(9) * 0.1
     short = build_trajectory("made/short", t, np.zeros((9, 2)))
     result = evaluate([short, drive], SETTINGS)
-    assert result.failures == {"made/short": "its longest part has 9 samples, a window needs 10"}
+    assert result.failures == {
+        "made/short": "its longest part has 9 samples, a window needs 10: record longer"
+    }
     assert [trip.id for trip in result.trips] == [drive.trip_id]
     with pytest.raises(ConfigError, match="made/short"):
         evaluate([short], SETTINGS)
@@ -297,11 +301,12 @@ def test_settings_name_everything_that_changes_the_numbers(
         "sizes": replace(base.sizes, more_bytes=10),
         "stack": replace(base.stack, certificates="digest"),
         "references": False,
+        "free": None,
+        "detail_threshold_m": 0.5,
         "decides": ErrorDriven(0.5),
     }
-    assert {*changed, "map_at", "trained_on", "recorded", "decided_by"} == {
-        item.name for item in fields(EvaluationSettings)
-    }
+    unseen = {"map_at", "trained_on", "free_trained_on", "recorded", "decided_by"}
+    assert {*changed, *unseen} == {item.name for item in fields(EvaluationSettings)}
     plain = base.as_plain()
     silent = [name for name, value in changed.items() if replace(base, **{name: value}).as_plain() == plain]
     assert silent == []
@@ -318,6 +323,7 @@ def test_settings_name_everything_that_changes_the_numbers(
     ("changes", "named"),
     [
         ({"thresholds_m": ()}, "threshold"),
+        ({"detail_threshold_m": 0.33}, "detail_threshold_m must be one of 0.2, 0.3, 0.4, 0.5, got 0.33"),
         ({"thresholds_m": (0.2, 0.2)}, "thresholds_m"),
         ({"thresholds_m": (-0.2,)}, "threshold_m"),
         ({"packet_error_ratios": (1.2,)}, "packet error ratio"),
@@ -350,6 +356,6 @@ def test_rows_call_the_model_based_sender_by_who_decides() -> None:
     assert replace(decided, decided_by="mine:ahead_s=1").sender == "mine:ahead_s=1"
     with pytest.raises(ValueError, match="decided_by must be empty where decides is None, got 'mine'"):
         EvaluationSettings(decided_by="mine")
-    for taken in ("mbc", "baseline", "baseline-matched", "baseline-periodic"):
+    for taken in ("mbc", "baseline", "baseline-matched", "baseline-periodic", "free", "free-matched"):
         with pytest.raises(ValueError, match=f"must not be the name of another sender, got '{taken}'"):
             replace(decided, decided_by=taken)

@@ -33,7 +33,7 @@ from modelcast.study.paper.verdict import Estimate, verdict_of
 from modelcast.study.result import POOLED
 from modelcast.study.rules import RATE_BASES
 from modelcast.study.table import Row
-from modelcast.study.tracking import LossRuns
+from modelcast.study.tracking import LossRuns, walks_under_loss
 from modelcast.trips.manoeuvres.base import FoundManoeuvre, ManoeuvreKind
 from modelcast.trips.manoeuvres.rank import count_manoeuvres, rank_trips
 from modelcast.trips.trajectory import Trajectory, build_trajectory
@@ -353,7 +353,8 @@ def test_the_free_receiver_is_the_free_bank_under_the_same_losses(
                 for bank in (settings.bank, free_bank())
             )
             losses = LossRuns(case, plain, settings)
-            runs = losses.contended([hybrid], settings, threshold_m, RATE_BASES)
+            walks = walks_under_loss([hybrid], settings, threshold_m)
+            runs = losses.contended([hybrid], walks, settings, threshold_m, RATE_BASES)
             names = ("own", *((basis, how) for basis in RATE_BASES for how in ("matched", "periodic")))
             for name, run in zip(names, runs, strict=True):
                 found = run.after_m.ravel()

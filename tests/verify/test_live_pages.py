@@ -3,7 +3,7 @@
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 import pytest
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.slow
 
 UDP_PORT = "16797"
+LONGEST_S = 60
+"""Until the host has heard a remote."""
 
 
 @contextmanager
@@ -43,10 +45,15 @@ def address(request: pytest.FixtureRequest) -> Iterator[str]:
 
 def _chosen(page: "Page") -> None:
     """A remote is chosen, the list of keys is open, and the picture stands still where it can."""
+    from playwright.sync_api import TimeoutError as NotYet  # noqa: PLC0415 - where there is a browser
+
     page.locator("#legend li").first.wait_for()
     page.locator("#map").focus()
-    page.keyboard.press("n")
-    page.locator("#chosen").wait_for()
+    for _ in range(LONGEST_S):  # the host may have heard nobody yet
+        page.keyboard.press("n")
+        with suppress(NotYet):
+            page.locator("#chosen").wait_for(timeout=1000.0)
+            break
     page.keyboard.press("?")
     page.locator("#keys").wait_for()
     page.keyboard.press("Space")

@@ -72,8 +72,9 @@ def page(browser: "Browser", address: str) -> Iterator["Page"]:
 
 @pytest.mark.real
 @pytest.mark.parametrize("name", COMMANDS)
-@pytest.mark.parametrize("view", VIEWS, ids=str)
+@pytest.mark.parametrize("view", [VIEWS[0], VIEWS[3]], ids=str)
 def test_a_report_has_no_fault(browser: "Browser", reports: dict[str, str], name: str, view: View) -> None:
+    """Reports look the same by day and at night, so each size is looked at once."""
     assert faults(browser, reports[name], view) == []
 
 

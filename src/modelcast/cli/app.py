@@ -5,6 +5,7 @@ bad input or no usable trip; 3 some trips failed, the rest is complete; 130 inte
 output stopped reading; 143 ended by SIGTERM.
 """
 
+import errno
 import os
 import signal
 import sys
@@ -22,6 +23,15 @@ from modelcast.cli.usage import usage_problem
 from modelcast.core.exceptions import ModelcastError, ModelcastWarning
 
 __all__ = ["BROKEN_PIPE", "COMMANDS", "USAGE", "run"]
+
+_REMEDIES = {
+    errno.ENOENT: ". Check the path.",
+    errno.EACCES: ". Name a place that you may read and write.",
+    errno.ENOSPC: ". Make room, or name another place; nothing was kept.",
+    errno.EROFS: ". Name another place.",
+    errno.EADDRINUSE: ". Another program listens there: end it, or name another port.",
+}
+"""What to do, by what the operating system refused."""
 
 USAGE = 2
 BROKEN_PIPE = 141
@@ -137,7 +147,8 @@ def _attended(arguments: Sequence[str]) -> AbstractContextManager[None]:
 
 
 def _place_and_reason(error: OSError) -> str:
-    return f"{error.filename or 'a file'}: {error.strerror or error}"
+    remedy = _REMEDIES.get(error.errno or 0, "")
+    return f"{error.filename or 'a file'}: {error.strerror or error}{remedy}"
 
 
 def _stop_printing() -> int:

@@ -1,5 +1,6 @@
 """The options of ``modelcast evaluate``, and the settings they mean."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from math import inf
@@ -9,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from cyclopts import Parameter
 
 from modelcast.cli.context_options import context_settings, road_files
-from modelcast.cli.options import Numbers, SensorOptions
+from modelcast.cli.options import Count, Numbers, SensorOptions
+from modelcast.core.exceptions import ModelcastWarning
 from modelcast.messages.rules import CertificateRule
 from modelcast.models.shipped import names_profile, profile_path
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
@@ -19,6 +21,10 @@ if TYPE_CHECKING:
     from modelcast.study.settings import EvaluationSettings
 
 __all__ = ["EvaluateOptions"]
+
+
+_MANY_METRES = 10.0
+"""A threshold that large is usual in centimetres."""
 
 
 @Parameter(name="*")
@@ -106,6 +112,9 @@ class EvaluateOptions:
         cooperative awareness messages.
     map
         Manoeuvre to draw, as TRIP@SECONDS; the sharpest where not given.
+    detail
+        Which of the thresholds the figures of sub-models, manoeuvre and single trips show [m]; the first one
+        where not given.
     quantised
         Predict with what a message can say, at sender and host alike.
     road
@@ -120,8 +129,8 @@ class EvaluateOptions:
 
     threshold: Numbers = (0.2, 0.3, 0.4, 0.5)
     per: Numbers = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
-    seeds: int = 5
-    seed: int = 0
+    seeds: Count = 5
+    seed: Count = 0
     bank: str = "default"
     profile: str | None = None
     window: int = 10
@@ -144,6 +153,7 @@ class EvaluateOptions:
     velocity: VelocityRule = "auto"
     references: bool = True
     map: str | None = None
+    detail: float | None = None
     quantised: bool = True
     road: str = "own"
     leader: bool = True
@@ -155,6 +165,16 @@ class EvaluateOptions:
         found = asdict(self)
         sensor = found.pop("sensor")
         return {**found, **sensor}
+
+    def _warn_of_centimetres(self) -> None:
+        """Say what a threshold means that is large in metres and usual in centimetres."""
+        for value in self.threshold:
+            if value >= _MANY_METRES:
+                warnings.warn(
+                    f"--threshold {value:g} is in metres: {value:g} cm is {value / 100.0:g}",
+                    ModelcastWarning,
+                    stacklevel=2,
+                )
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -200,15 +220,18 @@ class EvaluateOptions:
         from modelcast.core.exceptions import ConfigError
         from modelcast.core.rules import check
         from modelcast.messages.airtime import Stack
+        from modelcast.station.banks import free_receiver
         from modelcast.study.settings import EvaluationSettings
 
+        profile = profile_in_use(self.profile)
         named = bank_in_use(
             self.bank,
             noise_floor_m=self.noise_floor,
             window=self.window,
             trusted_horizon_s=self.trusted_horizon or None,
-            profile=profile_in_use(self.profile),
+            profile=profile,
         )
+        free = free_receiver(named.profile or profile)
         start, identify = self.start or named.start, self.identify or named.identify
         try:
             found = EvaluationSettings(
@@ -234,14 +257,18 @@ class EvaluateOptions:
                 keep_samples=self.samples,
                 references=self.references,
                 map_at=_map_at(self.map),
+                detail_threshold_m=self.detail,
                 velocity=self.velocity,
                 quantised=self.quantised,
                 stack=Stack(self.certificates),
                 context=context_settings(self.road, leader=self.leader),
+                free=free.bank,
+                free_trained_on=free.trained_on,
                 decides=None if self.policy is None else policy_that_decides(self.policy),
                 decided_by=self.policy or "",
             )
             check(self.as_plain(), OPTIONS, "option")
+            self._warn_of_centimetres()
         except ValueError as error:
             raise ConfigError(str(error)) from error
         return found

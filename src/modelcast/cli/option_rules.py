@@ -67,10 +67,11 @@ OPTIONS = Keys(
         "budget": Number(0.0, 1000.0, over=True),
         "legacy_threshold": Number(0.0, 1000.0),
         "rates_only": Flag(),
+        "detail": Maybe(Number(0.0, 1000.0, over=True)),
     },
 )
 """Of all options by name, as `modelcast.cli.evaluate_options.EvaluateOptions.as_plain` writes them.
 
-Runs from before sensors had names, or velocities, context, beliefs, legacy thresholds or rates alone, do not
-say which; theirs is the default.
+Runs from before sensors had names, or velocities, context, beliefs, legacy thresholds, rates alone or
+details, do not say which; theirs is the default.
 """

@@ -75,13 +75,13 @@ class EvaluateJob(AbstractJob):
 
     @property
     def key(self) -> str:
-        """Hash of the settings, the trips that the bank was trained on, the pattern and all versions."""
+        """Hash of the settings, the trips that was trained on, the pattern and all versions."""
         depends = {
             "versions": worker_versions(),
             "asked": self.asked,
             "pattern": self.pattern,
             "settings": plain_value(self.settings.as_plain()),
-            "training_trips": sorted(self.settings.training_trips),
+            "training_trips": sorted(self.settings.all_training_trips),
         }
         return hashlib.sha256(document_text(depends).encode()).hexdigest()
 

@@ -1,7 +1,8 @@
-"""What each figure of the report shows, in two sentences, with the definitions a reader needs."""
+"""What each figure of the report shows, with the definitions a reader needs."""
 
-from modelcast.report.headline import main_bank, rate_basis, sender_label
+from modelcast.report.headline import detail_threshold_m, main_bank, rate_basis, sender_label
 from modelcast.study.result import EvaluationResult
+from modelcast.study.wording import centimetres
 
 __all__ = ["PROTOCOLS", "TITLES", "captions", "loss_conditions"]
 
@@ -27,6 +28,10 @@ _REFERENCES = (
     "for each axis, and the triggering rules of ETSI's cooperative awareness messages (EN 302 637-2), which "
     "know no threshold."
 )
+_RIVALS = (
+    "The baseline is plain messages, which their receiver coasts at constant velocity; the free receiver "
+    "coasts the same messages by their acceleration and turn too"
+)
 
 
 def captions(result: EvaluationResult) -> dict[str, str]:
@@ -41,44 +46,51 @@ def captions(result: EvaluationResult) -> dict[str, str]:
     label = f" (protocol: {', '.join(protocols)})" if protocols else ""
     counted = {"total": "updates and identifications", "update": "model updates alone"}[rate_basis(result)]
     conditions, sender = loss_conditions(result), sender_label(result)
-    equal = (
-        f"The baselines send as often as {sender} ({counted} counted): one error-driven, with its threshold "
-        "bisected to that rate, and one periodic with a random phase."
+    detail_m = detail_threshold_m(result)
+    detail = "" if detail_m is None else f" at the threshold of {centimetres(detail_m)}"
+    readings = (
+        "Left, all run at the same threshold, and the messages of each are named; right, all send as often "
+        f"as {sender} ({counted} counted), error-driven with a threshold bisected to that rate, and the "
+        f"baseline also periodically with a random phase. {_RIVALS}."
     )
     return {
         "message_rate": (
             f"Messages per second of time observed, all trips pooled{label}, on an ideal channel without "
-            f"keep-alive: {sender} with the bank {main_bank(result) or 'evaluated'}, split into model "
-            "updates and sub-model identifications, beside the baseline. The baseline is error-driven at the "
-            "same threshold; it sends raw state, which its receiver extrapolates at constant velocity. "
-            "Below, the time on the air of both, all layers and the security header counted."
-            + (_REFERENCES if result.references else "")
+            f"keep-alive: {sender} with the bank {main_bank(result) or 'evaluated'}, the free receiver and "
+            f"the baseline, error-driven at the same threshold. {_RIVALS}. Below, the time on the air, all "
+            "layers and the security header counted." + (_REFERENCES if result.references else "")
         ),
         "tracking_distribution": (
             f"Share of samples, all trips and seeds pooled{label}, whose position tracking error (PTE) is at "
             "most the value on the logarithmic axis; the PTE is the distance at the receiver between belief "
-            f"and truth after the instant's message, here with {conditions}. {equal}"
+            f"and truth after the instant's message, here with {conditions}. {readings}"
         ),
         "tracking_loss": (
             "90th percentile of the PTE after the instant's message, all trips and seeds pooled"
-            f"{label}, with {conditions}; bands are 95 % Student-t limits over the seeds. {equal}"
+            f"{label}, with {conditions}, on a logarithmic axis; bands are 95 % Student-t limits over the "
+            f"seeds. {readings}"
         ),
         "sub_models": (
-            "Error of every sub-model fitted at the last update, before the instant's message and without "
-            "loss, cut off above 2.5 thresholds. Below, a strip is coloured while its sub-model stays under "
-            "the threshold and grey while it fails, then come the sub-model in use and the messages sent."
+            f"Error of every sub-model fitted at the last update{detail}, before the instant's message and "
+            "without loss, cut off above 2.5 thresholds. Below, a strip is coloured while its sub-model "
+            "stays under the threshold and grey while it fails, then come the sub-model in use and the "
+            "messages sent."
         ),
         "manoeuvre": (
             "The true path and the one each sub-model predicts from the start on, fitted to the samples "
-            "before it; a cross marks where the error first reaches the threshold. On the right, the same "
-            "errors against time, up to four thresholds."
+            f"before it; a cross marks where the error first reaches the threshold{_of(detail_m)}. On the "
+            "right, the same errors against time, up to four thresholds."
         ),
         "trips": (
             f"Message rate without loss, and 90th percentile of the PTE after the instant's message under "
-            f"loss, for each trip{label}. On the left the baseline runs at the same threshold; on the right "
-            f"it is error-driven at {sender}'s rate ({counted} counted), with {conditions}."
+            f"loss, for each trip{label}{detail}. Left and in the middle all run at that threshold; on "
+            f"the right all are error-driven at {sender}'s rate ({counted} counted), with {conditions}."
         ),
     }
+
+
+def _of(threshold_m: float | None) -> str:
+    return "" if threshold_m is None else f" of {centimetres(threshold_m)}"
 
 
 def loss_conditions(result: EvaluationResult) -> str:

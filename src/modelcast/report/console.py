@@ -1,4 +1,4 @@
-"""What a user sees in the terminal after a run: two tables of pooled figures, and what failed.
+"""What a user sees in the terminal after a run: what was found, tables of pooled figures, and what failed.
 
 Nothing is printed here; the command line hands what `console_report` returns to a rich console.
 """
@@ -6,11 +6,14 @@ Nothing is printed here; the command line hands what `console_report` returns to
 from collections.abc import Iterable, Mapping, Sequence
 
 from rich.console import Group, RenderableType
+from rich.padding import Padding
 
 from modelcast.core.cells import Cells
 from modelcast.report.console_table import ConsoleTable, console_table
+from modelcast.report.findings import findings
 from modelcast.report.headline import (
-    SHOWN_POLICIES,
+    SAME_RATE,
+    SAME_THRESHOLD,
     Headline,
     evaluated_ratios,
     headlines,
@@ -31,7 +34,7 @@ __all__ = [
     "rates_table",
     "scope_line",
     "skipped_lines",
-    "tracking_table",
+    "tracking_tables",
     "training_lines",
     "warning_texts",
 ]
@@ -46,7 +49,6 @@ _SMOOTHER = (
     "velocity_nis",
     "correction_rms_m",
 )
-_SHORT_NAMES = {"baseline-matched": "matched", "baseline-periodic": "periodic"}
 
 
 def console_report(result: EvaluationResult) -> RenderableType:
@@ -59,9 +61,11 @@ def console_report(result: EvaluationResult) -> RenderableType:
     """
     parts: list[RenderableType] = warning_texts((trip.id, trip.warnings) for trip in result.trips)
     parts += [literal(line) for line in (scope_line(result), *training_lines(result))]
+    parts += [Padding(literal(sentence), (1, 0, 0, 0)) for sentence in findings(result)]
+    parts.append(literal(""))
     parts.append(rates_table(result))
     if result.tracking:
-        parts.append(tracking_table(result))
+        parts += tracking_tables(result)
     parts += [literal(line) for line in conditioning_lines(result)]
     parts += [literal(line) for line in skipped_lines(result.skipped)]
     if result.failures:
@@ -156,44 +160,53 @@ def scope_line(result: EvaluationResult) -> str:
 
 
 def rates_table(result: EvaluationResult) -> ConsoleTable:
-    """Return the pooled message rates at each threshold, the model-based sender's beside the baseline's."""
+    """Return the pooled message rates at each threshold, the model-based sender's beside its rivals'."""
     sender = sender_label(result)
-    heads = (
-        "threshold",
-        f"{sender} updates",
-        f"{sender} identif.",
-        f"{sender} total",
-        "baseline",
-        f"{sender} / baseline",
-        "airtime",
-    )
+    lines = headlines(result)
+    named = any(line.mbc is not None and line.mbc.identifications for line in lines)
+    heads = ["threshold", sender, *([f"{sender}\nidentif."] if named else []), "free\nreceiver", "baseline"]
+    heads += [f"{sender} /\nfree", f"{sender} /\nbaseline", f"airtime, {sender} /\nbaseline"]
     rows = [
         [
             _threshold(line),
-            *(
-                _number(None if line.mbc is None else getattr(line.mbc, name))
-                for name in ("update_rate_hz", "identification_rate_hz", "total_rate_hz")
-            ),
-            _number(None if line.baseline is None else line.baseline.total_rate_hz),
-            _number(line.ratio),
-            _number(line.airtime_ratio),
+            _number(line.mbc and line.mbc.total_rate_hz),
+            *([_number(line.mbc and line.mbc.identification_rate_hz)] if named else []),
+            _number(line.free and line.free.total_rate_hz),
+            _number(line.baseline and line.baseline.total_rate_hz),
+            *(_number(ratio) for ratio in (line.free_ratio, line.ratio, line.airtime_ratio)),
         ]
-        for line in headlines(result)
+        for line in lines
     ]
-    title = f"Messages per second, all trips, ideal channel; airtime, {sender} / baseline"
-    return console_table(Cells(heads, rows, 0), title)
+    return console_table(Cells(heads, rows, 0), "Same threshold: messages per second without loss, all trips")
 
 
-def tracking_table(result: EvaluationResult) -> ConsoleTable:
-    """Return the pooled 90th percentile of the tracking error, without loss and near a ratio of 0.4."""
-    shown = [(ratio, policy) for ratio in _shown_ratios(result) for policy in SHOWN_POLICIES]
+def tracking_tables(result: EvaluationResult) -> list[ConsoleTable]:
+    """Return the pooled 90th percentile of the tracking error in both readings, and the first one's messages.
+
+    Without loss, and near a packet error ratio of 0.4.
+    """
     sender = sender_label(result)
-    heads = [f"PER {100 * ratio:g} %\n{_SHORT_NAMES.get(policy, sender)}" for ratio, policy in shown]
+    places = [(line, ratio) for ratio in _shown_ratios(result) for line in headlines(result)]
+    starts = [[_threshold(line), f"{100 * ratio:g} %"] for line, ratio in places]
+    names = (sender, "free", "baseline")
+    heads = [f"{name}\n{what}" for what in ("1/s", "p90") for name in names]
     rows = [
-        [_threshold(line), *(_number(line.p90_m.get(key), 3) for key in shown)] for line in headlines(result)
+        [
+            *start,
+            *(_number(line.rate_hz(ratio, role)) for role in SAME_THRESHOLD),
+            *(_number(line.p90_m(ratio, role), 3) for role in SAME_THRESHOLD),
+        ]
+        for start, (line, ratio) in zip(starts, places, strict=True)
     ]
-    title = f"Tracking error, p90 in metres; baselines at {sender}'s {rate_basis(result)} rate"
-    return console_table(Cells(["threshold", *heads], rows, 0), title)
+    title = "Same threshold: messages per second, p90 of the error in metres"
+    same = console_table(Cells(["threshold", "PER", *heads], rows, 0), title)
+    names = (f"{sender}\np90", "free\nmatched", "baseline\nmatched", "baseline\nperiodic")
+    rows = [
+        [*start, *(_number(line.p90_m(ratio, role), 3) for role in SAME_RATE)]
+        for start, (line, ratio) in zip(starts, places, strict=True)
+    ]
+    title = f"Same {rate_basis(result)} rate as {sender}: p90 of the error in metres"
+    return [same, console_table(Cells(["threshold", "PER", *names], rows, 0), title)]
 
 
 def failures_table(failures: Mapping[str, str]) -> ConsoleTable:

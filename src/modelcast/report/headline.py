@@ -1,18 +1,20 @@
 """Which rows of a result the figures, the console and the report show first, and how they are named."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
 
 from modelcast.study.result import POOLED, EvaluationResult
-from modelcast.study.rules import MODEL_SENDER
+from modelcast.study.rules import FREE_MATCHED, FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.table import Row
 
 __all__ = [
     "EQUAL_RATE_POLICIES",
     "HEADLINE_RATIO",
     "REFERENCE_LABELS",
-    "SHOWN_POLICIES",
+    "SAME_RATE",
+    "SAME_THRESHOLD",
     "Headline",
+    "detail_threshold_m",
     "evaluated_ratios",
     "headlines",
     "main_bank",
@@ -31,8 +33,11 @@ __all__ = [
 EQUAL_RATE_POLICIES = ("baseline-matched", "baseline-periodic")
 """The two readings of a baseline that sends as often as MBC."""
 
-SHOWN_POLICIES = (MODEL_SENDER, *EQUAL_RATE_POLICIES)
-"""Roles (`role_of`) that are drawn beside each other."""
+SAME_THRESHOLD = (MODEL_SENDER, FREE_RECEIVER, "baseline")
+"""Roles (`role_of`) that are drawn beside each other where all run at one threshold."""
+
+SAME_RATE = (MODEL_SENDER, FREE_MATCHED, *EQUAL_RATE_POLICIES)
+"""Roles that are drawn beside each other where all send as often as the first."""
 
 HEADLINE_RATIO = 0.4
 """The packet error ratio that the paper's distribution is drawn at."""
@@ -50,6 +55,8 @@ _LABELS = {
     "baseline": "Baseline, same threshold",
     "baseline-matched": "Baseline, error-driven, at {sender}'s {basis} rate",
     "baseline-periodic": "Baseline, periodic, at {sender}'s {basis} rate",
+    FREE_RECEIVER: "Free receiver, same threshold",
+    FREE_MATCHED: "Free receiver, at {sender}'s {basis} rate",
 }
 
 
@@ -61,23 +68,54 @@ class Headline:
     ----------
     threshold_m
         The threshold [m].
-    mbc, baseline
+    mbc, baseline, free
         Rate rows; None where the run has none.
-    p90_m
-        90th percentile of the tracking error by packet error ratio and policy of `SHOWN_POLICIES` [m].
+    tracking
+        Tracking rows by packet error ratio and role of `SAME_THRESHOLD` and `SAME_RATE`.
     """
 
     threshold_m: float
     mbc: Row | None
     baseline: Row | None
-    p90_m: dict[tuple[float, str], float]
+    _: KW_ONLY
+    free: Row | None
+    tracking: Mapping[tuple[float, str], Row]
 
     @property
     def ratio(self) -> float | None:
         """MBC's message rate over the baseline's at the same threshold."""
-        if self.mbc is None or self.baseline is None or not self.baseline.total_rate_hz > 0:
-            return None
-        return self.mbc.total_rate_hz / self.baseline.total_rate_hz
+        return _over(self.mbc, self.baseline)
+
+    @property
+    def free_ratio(self) -> float | None:
+        """MBC's message rate over that of the free receiver's sender at the same threshold."""
+        return _over(self.mbc, self.free)
+
+    def p90_m(self, ratio: float, role: str) -> float | None:
+        """90th percentile of somebody's tracking error at a packet error ratio [m]; None where not run.
+
+        Parameters
+        ----------
+        ratio
+            Packet error ratio.
+        role
+            As `role_of` says.
+        """
+        row = self.tracking.get((ratio, role))
+        return None if row is None else row.pte_p90_m
+
+    def rate_hz(self, ratio: float, role: str) -> float | None:
+        """Messages that somebody sent in the loss runs at a packet error ratio [1/s]; None where not run.
+
+        Parameters
+        ----------
+        ratio
+            Packet error ratio.
+        role
+            As `role_of` says.
+        """
+        row = self.tracking.get((ratio, role))
+        return None if row is None else row.message_rate_hz
 
     @property
     def airtime_ratio(self) -> float | None:
@@ -90,6 +128,19 @@ class Headline:
 def thresholds_m(result: EvaluationResult) -> list[float]:
     """Return the thresholds evaluated, rising [m]."""
     return sorted({row.threshold_m for row in (*result.rates, *result.tracking)})
+
+
+def detail_threshold_m(result: EvaluationResult) -> float | None:
+    """Return the threshold that all detail figures show: the one asked for, else the first [m].
+
+    Parameters
+    ----------
+    result
+        The evaluation; None where it has no threshold.
+    """
+    evaluated_m = thresholds_m(result)
+    asked_m = result.settings.get("detail_threshold_m")
+    return asked_m if asked_m in evaluated_m else next(iter(evaluated_m), None)
 
 
 def evaluated_ratios(result: EvaluationResult) -> list[float]:
@@ -221,14 +272,20 @@ def headlines(result: EvaluationResult) -> list[Headline]:
     """Return the pooled figures of every threshold, rising."""
     found: list[Headline] = []
     for threshold_m in thresholds_m(result):
-        p90_m = {
-            (row.packet_error_ratio, policy): row.pte_p90_m
-            for policy in SHOWN_POLICIES
-            for row in pooled_tracking(result, policy, threshold_m)
+        tracking = {
+            (row.packet_error_ratio, role): row
+            for role in dict.fromkeys((*SAME_THRESHOLD, *SAME_RATE))
+            for row in pooled_tracking(result, role, threshold_m)
         }
-        mbc, baseline = (pooled_rate(result, policy, threshold_m) for policy in (MODEL_SENDER, "baseline"))
-        found.append(Headline(threshold_m, mbc, baseline, p90_m))
+        mbc, free, baseline = (pooled_rate(result, role, threshold_m) for role in SAME_THRESHOLD)
+        found.append(Headline(threshold_m, mbc, baseline, free=free, tracking=tracking))
     return found
+
+
+def _over(own: Row | None, other: Row | None) -> float | None:
+    if own is None or other is None or not other.total_rate_hz > 0:
+        return None
+    return own.total_rate_hz / other.total_rate_hz
 
 
 def _pooled(rows: Sequence[Row]) -> list[Row]:

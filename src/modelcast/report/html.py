@@ -15,8 +15,11 @@ from modelcast.report.captions import PROTOCOLS, TITLES, captions, loss_conditio
 from modelcast.report.console import scope_line, training_lines
 from modelcast.report.figures import Drawing, draw_figures
 from modelcast.report.figures.files import write_report_files
+from modelcast.report.findings import findings
 from modelcast.report.headline import (
     REFERENCE_LABELS,
+    SAME_RATE,
+    SAME_THRESHOLD,
     evaluated_ratios,
     headlines,
     nearest_ratio,
@@ -31,7 +34,6 @@ from modelcast.report.player import player, player_css
 from modelcast.report.scripts import PLAYBACK_SCRIPTS, script
 from modelcast.report.warnings import warning_lines
 from modelcast.study.result import POOLED, EvaluationResult, HoldsEvaluation, TripRow, result_of
-from modelcast.study.rules import MODEL_SENDER
 from modelcast.study.table import Row
 
 __all__ = ["report_document", "write_report"]
@@ -75,6 +77,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
     body = [
         "<h1>Model-based communication: evaluation</h1>",
         f'<p class="scope">{escape(scope_line(result))}. modelcast {escape(package_version())}.</p>',
+        *(f'<p class="finding">{escape(sentence)}</p>' for sentence in findings(result)),
         _warnings(result.trips),
         *(f'<p class="note">{escape(line)}.</p>' for line in training_lines(result)),
         _protocols(result),
@@ -120,44 +123,35 @@ def _protocols(result: EvaluationResult) -> str:
 
 
 def _headline_table(result: EvaluationResult) -> str:
-    return _rate_table(result) + _reference_table(result) + _loss_table(result)
+    return _rate_table(result) + _reference_table(result) + _loss_tables(result)
 
 
 def _rate_table(result: EvaluationResult) -> str:
     sender = sender_label(result)
-    head = [
-        "threshold [cm]",
-        f"{sender} updates [1/s]",
-        f"{sender} identifications [1/s]",
-        f"{sender} total [1/s]",
-        "baseline [1/s]",
-        f"{sender} / baseline",
-        f"{sender} [byte/s]",
-        "baseline [byte/s]",
-        f"{sender} airtime [ms/s]",
-        "baseline airtime [ms/s]",
-        f"airtime, {sender} / baseline",
-    ]
-    rows = [
-        [
-            number(100 * line.threshold_m, 4),
-            number(line.mbc and line.mbc.update_rate_hz),
-            number(line.mbc and line.mbc.identification_rate_hz),
-            number(line.mbc and line.mbc.total_rate_hz),
-            number(line.baseline and line.baseline.total_rate_hz),
-            number(line.ratio),
-            number(line.mbc and line.mbc.bytes_per_s),
-            number(line.baseline and line.baseline.bytes_per_s),
-            number(line.mbc and 1000 * line.mbc.airtime_per_s),
-            number(line.baseline and 1000 * line.baseline.airtime_per_s),
-            number(line.airtime_ratio),
-        ]
-        for line in headlines(result)
-    ]
+    head = ["threshold [cm]", f"{sender} updates [1/s]", f"{sender} identifications [1/s]"]
+    names = (sender, "free receiver", "baseline")
+    for what in ("[1/s]", "[byte/s]", "airtime [ms/s]"):
+        head += [f"{name} {what}" for name in names]
+    head += [f"{sender} / free receiver", f"{sender} / baseline", f"airtime, {sender} / baseline"]
+    rows: list[list[str]] = []
+    for line in headlines(result):
+        each = (line.mbc, line.free, line.baseline)
+        rows.append(
+            [
+                number(100 * line.threshold_m, 4),
+                number(line.mbc and line.mbc.update_rate_hz),
+                number(line.mbc and line.mbc.identification_rate_hz),
+                *(number(row and row.total_rate_hz) for row in each),
+                *(number(row and row.bytes_per_s) for row in each),
+                *(number(row and 1000 * row.airtime_per_s) for row in each),
+                *(number(ratio) for ratio in (line.free_ratio, line.ratio, line.airtime_ratio)),
+            ]
+        )
     note = (
-        "Messages on an ideal channel without keep-alive, all trips pooled by time; the baseline is "
-        "error-driven at the same threshold. Bytes are those of the messages in their frames; airtime counts "
-        "all layers and the security header, at 6 Mb/s."
+        "At the same threshold: messages on an ideal channel without keep-alive, all trips pooled by time. "
+        "The baseline and the free receiver are sent plain messages, error-driven at the same threshold. "
+        "Bytes are those of the messages in their frames; airtime counts all layers and the security header, "
+        "at 6 Mb/s."
     )
     return Cells(head, rows, 0).html() + f'<p class="note">{escape(note)}</p>'
 
@@ -179,28 +173,49 @@ def _reference_table(result: EvaluationResult) -> str:
     return Cells(head, rows, 0).html() + f'<p class="note">{escape(note)}</p>'
 
 
-def _loss_table(result: EvaluationResult) -> str:
+def _loss_tables(result: EvaluationResult) -> str:
+    """Both readings under loss: at the same threshold messages and errors, at the same rate errors."""
     ratios = evaluated_ratios(result)
     nearest = (nearest_ratio(ratios, 0.0), nearest_ratio(ratios))
     shown = sorted({ratio for ratio in nearest if ratio is not None})
     if not shown:
         return ""
     sender = sender_label(result)
-    shorts = {MODEL_SENDER: sender, "baseline-matched": "error-driven", "baseline-periodic": "periodic"}
+    same = dict(zip(SAME_THRESHOLD, (sender, "free receiver", "baseline"), strict=True))
+    first = ["threshold [cm]"]
+    for ratio in shown:
+        first += [f"PER {100 * ratio:g} %, {name} [1/s]" for name in same.values()]
+        first += [f"PER {100 * ratio:g} %, {name} p90 [m]" for name in same.values()]
+    rows: list[list[str]] = []
+    for line in headlines(result):
+        cells = [number(100 * line.threshold_m, 4)]
+        for ratio in shown:
+            cells += [number(line.rate_hz(ratio, role)) for role in same]
+            cells += [number(line.p90_m(ratio, role)) for role in same]
+        rows.append(cells)
+    at_threshold = (
+        "At the same threshold: messages sent, keep-alives among them, and 90th percentile of the position "
+        f"tracking error after the instant's message, with {loss_conditions(result)}."
+    )
+    names = (sender, "free receiver", "baseline, error-driven", "baseline, periodic")
+    matched = dict(zip(SAME_RATE, names, strict=True))
     head = ["threshold [cm]"]
-    head += [f"PER {100 * ratio:g} %, {short}" for ratio in shown for short in shorts.values()]
-    rows = [
+    head += [f"PER {100 * ratio:g} %, {name} [m]" for ratio in shown for name in matched.values()]
+    equal = [
         [
             number(100 * line.threshold_m, 4),
-            *(number(line.p90_m.get((ratio, policy))) for ratio in shown for policy in shorts),
+            *(number(line.p90_m(ratio, role)) for ratio in shown for role in matched),
         ]
         for line in headlines(result)
     ]
-    note = (
-        "90th percentile of the position tracking error [m] after the instant's message, with "
-        f"{loss_conditions(result)}; the two baselines at {sender}'s {rate_basis(result)} rate."
+    at_rate = (
+        f"At the same rate: the same percentile where all send at {sender}'s {rate_basis(result)} rate; "
+        "the threshold of the others is then their own."
     )
-    return Cells(head, rows, 0).html() + f'<p class="note">{escape(note)}</p>'
+    return "".join(
+        cells.html() + f'<p class="note">{escape(note)}</p>'
+        for cells, note in ((Cells(first, rows, 0), at_threshold), (Cells(head, equal, 0), at_rate))
+    )
 
 
 def _figures(result: EvaluationResult, drawings: Iterable[Drawing]) -> list[str]:

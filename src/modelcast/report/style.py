@@ -43,10 +43,26 @@ POLICY_COLOURS = {
     "baseline": "#e69f00",
     "baseline-matched": "#d55e00",
     "baseline-periodic": "#009e73",
+    "free": "#cc79a7",
+    "free-matched": "#8c3a6b",
 }
 IDENTIFICATION_COLOUR = "#56b4e9"
-POLICY_LINES = {"mbc": "-", "baseline": "-.", "baseline-matched": "--", "baseline-periodic": ":"}
-POLICY_MARKERS = {"mbc": "o", "baseline": "D", "baseline-matched": "s", "baseline-periodic": "^"}
+POLICY_LINES = {
+    "mbc": "-",
+    "baseline": "-.",
+    "baseline-matched": "--",
+    "baseline-periodic": ":",
+    "free": "--",
+    "free-matched": "-.",
+}
+POLICY_MARKERS = {
+    "mbc": "o",
+    "baseline": "D",
+    "baseline-matched": "s",
+    "baseline-periodic": "^",
+    "free": "v",
+    "free-matched": "P",
+}
 
 _MODEL_COLOURS = ("#999933", "#882255", "#88ccee", "#332288", "#cc6677", "#117733")
 

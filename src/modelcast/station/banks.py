@@ -25,7 +25,7 @@ from modelcast.models.gp import (
     process_of,
 )
 from modelcast.models.learned import Selector
-from modelcast.models.profile import Profile, default_profile, people_plain_bank
+from modelcast.models.profile import Profile, default_profile, people_plain_bank, people_profile
 from modelcast.models.regimes import REGIME_BANK
 from modelcast.models.reserved import EXPRESSION, KINEMATIC, UNTRAINED
 from modelcast.models.sub_models import SUB_MODELS, model_of_word, names_registered
@@ -44,6 +44,7 @@ __all__ = [
     "believe_of",
     "calibrations_of",
     "free_bank",
+    "free_receiver",
     "member_names",
     "named_bank",
     "parts_of",
@@ -202,6 +203,22 @@ class NamedBank:
             return table.priced(float(octets[0]), float(octets[1]))
         airtime_s = Stack().airtime_s(octets.astype(np.int64), np.ones(2, dtype=np.bool_))
         return table.priced(float(airtime_s[0]), float(airtime_s[1]))
+
+
+def free_receiver(profile: Profile) -> NamedBank:
+    """What a bank under a profile is held against: the free receiver of those whose profile it is.
+
+    Parameters
+    ----------
+    profile
+        The profile in use; where that is the shipped one of people, a message is coasted as theirs are.
+    """
+    kind = Kind.PEDESTRIAN if profile == people_profile() else Kind.VEHICLE
+    members = free_bank(profile, kind).members
+    trained = any(_is_trained(member.name, profile) for member in members)
+    return NamedBank(
+        Bank(members, FREE), "order", "never", trained_on=frozenset(profile.training_trips if trained else ())
+    )
 
 
 def member_names(profile: Profile) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Runtimes of a trip whose sender reads context: one for a channel without loss, one for each loss ratio."""
+"""Runtimes of a trip: of a sender that may read context, and of the free receiver's, which reads none."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,7 +11,7 @@ from modelcast.station.arrays import Sensed
 from modelcast.study.case import TripCase
 from modelcast.study.settings import EvaluationSettings
 
-__all__ = ["case_contexts", "reads_context", "trip_runtimes"]
+__all__ = ["case_contexts", "free_runtime", "reads_context", "trip_runtimes"]
 
 
 def reads_context(bank: Bank) -> bool:
@@ -92,3 +92,18 @@ def trip_runtimes(
     return clean, [
         clean if ratio == 0.0 else ready(context=True, ratio=ratio) for ratio in settings.packet_error_ratios
     ]
+
+
+def free_runtime(case: TripCase, settings: EvaluationSettings, sensed: Sensed) -> TripRuntime | None:
+    """The runtime of the free receiver's sender; None where it is not run.
+
+    Parameters
+    ----------
+    case, settings
+        The trip, and who is run.
+    sensed
+        What `sense_trip` made of the trip.
+    """
+    if settings.rival is None:
+        return None
+    return TripRuntime(case.seen, settings.rival, case.estimator, quantised=settings.quantised, sensed=sensed)

@@ -11,12 +11,12 @@ from modelcast.runtime.trip.context import TripContexts
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime, sense_trip
 from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import SensedTrip, TripCase, make_case
-from modelcast.study.context import case_contexts, reads_context, trip_runtimes
+from modelcast.study.context import case_contexts, free_runtime, reads_context, trip_runtimes
 from modelcast.study.gathered import Gathered, Illustration, TripCount
 from modelcast.study.illustration import draw_manoeuvre, draw_timeline, sharpest_instant
 from modelcast.study.play import draw_playback
 from modelcast.study.pooling import TrackingPool, sorted_errors, trip_row
-from modelcast.study.rate import count_rates
+from modelcast.study.rate import count_free, count_rates
 from modelcast.study.recording import AbstractRecordSink, HeldRecords, event_columns, sample_block
 from modelcast.study.reference import count_references
 from modelcast.study.result import EvaluationResult, TripRow
@@ -121,24 +121,29 @@ def evaluate_trip(
     longest = int(np.diff(seen.segments).max())
     needed = int(settings.bank.windows.max())
     if longest < needed:
-        found.failures[seen.trip_id] = f"its longest part has {longest} samples, a window needs {needed}"
+        found.failures[seen.trip_id] = (
+            f"its longest part has {longest} samples, a window needs {needed}: record longer"
+        )
         return found
     case = make_case(trip, settings)
     quantised = settings.quantised
     sensed = sense_trip(case.seen, case.estimator, quantised=quantised)
     mbc, each = trip_runtimes(case, settings, sensed, *known)
     baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator, quantised=quantised, sensed=sensed)
+    free = free_runtime(case, settings, sensed)
     found.trips.append(_trip_row(case, settings))
     counted = count_rates(case, mbc, baseline, settings)
-    for count, walk in counted:
+    beside = [] if free is None else count_free(case, free, settings)
+    for count, walk in (*counted, *beside):
         found.counts.append(TripCount(seen.trip_id, count))
         records.add_events(event_columns(case, count, walk, settings))
     if settings.references:
         found.references += count_references(case, settings.thresholds_m)
-    found.illustration = _illustrated(case, (mbc, each, baseline), counted[0][1], settings, sharper_than_mps2)
+    drawn = counted[2 * settings.detail][1]
+    found.illustration = _illustrated(case, (mbc, each, baseline, free), drawn, settings, sharper_than_mps2)
     if not settings.packet_error_ratios:
         return found
-    for run in run_tracking(case, each, baseline, settings):
+    for run in run_tracking(case, each, baseline, settings, free):
         block = sample_block(case, run, settings)
         if block is not None:
             records.add_samples(block)
@@ -151,7 +156,7 @@ def evaluate_trip(
 
 def _illustrated(
     case: TripCase,
-    runtimes: tuple[TripRuntime, Sequence[TripRuntime], TripRuntime],
+    runtimes: tuple[TripRuntime, Sequence[TripRuntime], TripRuntime, TripRuntime | None],
     walk: TripMessages,
     settings: EvaluationSettings,
     sharper_than_mps2: float,
@@ -170,7 +175,7 @@ def _illustrated(
         acceleration_mps2 = 0.0
     else:
         return None
-    mbc, _, baseline = runtimes
+    mbc, _, baseline, _ = runtimes
     threshold_m = walk.policy.threshold_m
     return Illustration(
         trip,
@@ -203,7 +208,7 @@ def _trip_row(case: TripCase, settings: EvaluationSettings) -> TripRow:
         rows=recorded.reading.rows,
         skipped=dict(recorded.reading.skipped),
         repaired=dict(recorded.reading.repaired),
-        in_training=bool(known_trips([recorded], settings.training_trips)),
+        in_training=bool(known_trips([recorded], settings.all_training_trips)),
         conditioning=None if case.conditioning is None else asdict(case.conditioning),
         warnings={**case.warnings, **({"bank": idle} if idle else {})},
     )

@@ -156,19 +156,11 @@ class Histogram:
         reached = np.cumsum(self.counts)
         targets = np.maximum(wanted * float(self.weight) * (1.0 - 1e-12), 0.5)
         places = np.minimum(reached.searchsorted(targets), reached.size - 1)
-        return np.array(
-            [
-                self._inside(int(at), float(target), int(reached[at]))
-                for at, target in zip(places, targets, strict=True)
-            ]
-        )
-
-    def _inside(self, at: int, target: float, reached: int) -> float:
-        """The size at which the running weight is the target, within the bin that is ``at`` of `counts`."""
-        low, high = kernels.bin_edges(self.first + at)
-        high = min(high, self.largest)
-        held = int(self.counts[at])
-        return low + (high - low) * (target - (reached - held)) / held
+        low, high = kernels.bin_edges(self.first + places)
+        high = np.minimum(high, self.largest)
+        held = self.counts[places]
+        # Where the running weight is the target, within the bin.
+        return low + (high - low) * (targets - (reached[places] - held)) / held
 
     def _reach(self, first: int, stop: int) -> None:
         """Make `counts` hold these bins too."""

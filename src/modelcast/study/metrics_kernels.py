@@ -7,7 +7,7 @@ Bin 0 holds exact zeros, bin 1 what lies between zero and ``2**-20`` (a milliont
 import numpy as np
 
 from modelcast.core.kernel import kernel
-from modelcast.core.kernel_types import Float32Vector, IntVector
+from modelcast.core.kernel_types import Float32Vector, FloatVector, IntVector
 
 __all__ = ["BINS", "bin_edges", "bins_used", "count"]
 
@@ -52,10 +52,15 @@ def count(values: Float32Vector, weight: int, first: int, counts: IntVector) -> 
             counts[_bin(int(np.float32(abs(value)).view(np.int32))) - first] += weight
 
 
-def bin_edges(at: int) -> tuple[float, float]:
-    """Between which sizes a bin lies; the last one has no upper edge."""
-    if at == 0:
-        return 0.0, 0.0
-    edges = np.array([(at + _BEFORE) << _SHIFT, (at + 1 + _BEFORE) << _SHIFT], dtype=np.int32)
-    low, high = edges.view(np.float32).astype(np.float64).tolist()
-    return (0.0 if at == 1 else low), (float("inf") if at == BINS - 1 else high)
+def bin_edges(at: IntVector) -> tuple[FloatVector, FloatVector]:
+    """Between which sizes each bin lies, (Q,) both; the last one has no upper edge."""
+    low, high = (
+        np.ascontiguousarray((at + step + _BEFORE) << _SHIFT, dtype=np.int32)
+        .view(np.float32)
+        .astype(np.float64)
+        for step in (0, 1)
+    )
+    low[at <= 1] = 0.0
+    high[at == 0] = 0.0
+    high[at == BINS - 1] = np.inf
+    return low, high

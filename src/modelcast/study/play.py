@@ -8,11 +8,10 @@ import numpy as np
 from modelcast.core.arrays import BoolArray, IntArray
 from modelcast.runtime.trip.replay import replay, schedules_of
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
-from modelcast.station.banks import FREE, free_bank
 from modelcast.station.policy.base import MessageKind
 from modelcast.study.case import TripCase
 from modelcast.study.playback import Playback, PlayedRun
-from modelcast.study.rules import MODEL_SENDER
+from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.tracking import draw_losses
 
@@ -41,7 +40,7 @@ def played_ratio(settings: EvaluationSettings) -> float | None:
 def draw_playback(
     case: TripCase,
     settings: EvaluationSettings,
-    runtimes: tuple[TripRuntime, Sequence[TripRuntime], TripRuntime],
+    runtimes: tuple[TripRuntime, Sequence[TripRuntime], TripRuntime, TripRuntime | None],
     *,
     threshold_m: float,
     at_s: float,
@@ -54,13 +53,13 @@ def draw_playback(
         The trip and what was asked for.
     runtimes
         The evaluated bank's on a channel without loss and, once for all loss ratios or once for each, with
-        loss; and the baseline's.
+        loss; the baseline's; and the free receiver's, where it is run.
     threshold_m
         The threshold that all keep [m].
     at_s
         Time of the manoeuvre [s].
     """
-    clean, each, baseline = runtimes
+    clean, each, baseline, free = runtimes
     ratio = played_ratio(settings)
     lossless: BoolArray = np.zeros(len(case.truth), dtype=np.bool_)
     channels = [(0.0, clean, lossless)]
@@ -68,13 +67,11 @@ def draw_playback(
         lossy = each[0] if len(each) == 1 else each[settings.packet_error_ratios.index(ratio)]
         drawn = draw_losses(case, replace(settings, packet_error_ratios=(ratio,), seeds=1))
         channels.append((ratio, lossy, drawn[0, 0]))
-    plain = _free_settings(settings)
-    free = None if settings.bank.label == FREE else _free_runtime(case, plain, baseline)
     runs: list[PlayedRun] = []
     for share, own, lost in channels:
         played = [(MODEL_SENDER, own, own.run(settings.under_loss(threshold_m, share)))]
         if free is not None:
-            played.append((FREE, free, free.run(plain.under_loss(threshold_m, share))))
+            played.append((FREE_RECEIVER, free, free.run(settings.of_free.under_loss(threshold_m, share))))
         kept = baseline.run(settings.policy(threshold_m, keep_alive=True))
         played.append(("baseline", baseline, kept))
         runs += [
@@ -89,28 +86,6 @@ def draw_playback(
         truth_m=case.truth.position_m,
         parts=case.truth.segments[1:-1],
         runs=tuple(runs),
-    )
-
-
-def _free_settings(settings: EvaluationSettings) -> EvaluationSettings:
-    """The same settings for a sender of plain messages, with the rules of the free receiver."""
-    return replace(
-        settings,
-        bank=free_bank(),
-        start=None,
-        identify=None,
-        believe=None,
-        selector=None,
-        costs=None,
-        legacy_threshold_m=np.inf,
-        decides=None,
-        decided_by="",
-    )
-
-
-def _free_runtime(case: TripCase, settings: EvaluationSettings, like: TripRuntime) -> TripRuntime:
-    return TripRuntime(
-        case.seen, settings.bank, case.estimator, quantised=settings.quantised, sensed=like.sensed
     )
 
 

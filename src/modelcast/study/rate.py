@@ -9,11 +9,12 @@ import numpy as np
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.study.case import TripCase
 from modelcast.study.result import POOLED, RATES
+from modelcast.study.rules import FREE_RECEIVER
 from modelcast.study.sent import sent_load
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.table import Row
 
-__all__ = ["RateCount", "count_rates", "pooled_rates", "rate_row"]
+__all__ = ["RateCount", "count_free", "count_rates", "pooled_rates", "rate_row"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,25 +63,47 @@ def count_rates(
     """
     counts: list[tuple[RateCount, TripMessages]] = []
     policies = [settings.policy(threshold_m, keep_alive=False) for threshold_m in settings.thresholds_m]
-    for threshold_m, *walks in zip(
-        settings.thresholds_m, mbc.run_each(policies), baseline.run_each(policies), strict=True
-    ):
+    for walks in zip(mbc.run_each(policies), baseline.run_each(policies), strict=True):
         for name, ready, walk in zip((settings.sender, "baseline"), (mbc, baseline), walks, strict=True):
-            sent = sent_load(walk, ready.bank, case.truth.t_s, settings)
-            count = RateCount(
-                name,
-                ready.bank.name,
-                threshold_m,
-                walk.updates,
-                walk.identifications,
-                int((walk.transmits & ~case.standing).sum()),
-                case.truth.duration_s,
-                float(np.count_nonzero(~case.standing) * case.truth.dt_s),
-                int(sent.size_bytes.sum()),
-                float(sent.airtime_s.sum()),
-            )
-            counts.append((count, walk))
+            counts.append((_counted(case, name, ready, walk, settings), walk))
     return counts
+
+
+def count_free(
+    case: TripCase, free: TripRuntime, settings: EvaluationSettings
+) -> list[tuple[RateCount, TripMessages]]:
+    """Count the messages of the free receiver's sender at every threshold.
+
+    Parameters
+    ----------
+    case
+        The trip.
+    free
+        Its bank, ready for what the sender sees.
+    settings
+        Thresholds, and sizes.
+    """
+    own = settings.of_free
+    walks = free.run_each([own.policy(threshold_m, keep_alive=False) for threshold_m in own.thresholds_m])
+    return [(_counted(case, FREE_RECEIVER, free, walk, own), walk) for walk in walks]
+
+
+def _counted(
+    case: TripCase, name: str, ready: TripRuntime, walk: TripMessages, settings: EvaluationSettings
+) -> RateCount:
+    sent = sent_load(walk, ready.bank, case.truth.t_s, settings)
+    return RateCount(
+        name,
+        ready.bank.name,
+        walk.policy.threshold_m,
+        walk.updates,
+        walk.identifications,
+        int((walk.transmits & ~case.standing).sum()),
+        case.truth.duration_s,
+        float(np.count_nonzero(~case.standing) * case.truth.dt_s),
+        int(sent.size_bytes.sum()),
+        float(sent.airtime_s.sum()),
+    )
 
 
 def rate_row(trip: str, count: RateCount) -> Row:

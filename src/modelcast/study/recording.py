@@ -17,6 +17,7 @@ from modelcast.station.policy.base import MessageKind
 from modelcast.study.case import TripCase
 from modelcast.study.rate import RateCount
 from modelcast.study.result import Coded, Columns, SampleBlock
+from modelcast.study.rules import FREE_RECEIVER
 from modelcast.study.sent import sent_load
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.tracking import TrackingRun
@@ -123,7 +124,8 @@ def event_columns(
     settings
         Sizes and bank.
     """
-    bank = (BASELINE_BANK if count.policy == "baseline" else settings.bank).complete()
+    rivals = {"baseline": BASELINE_BANK, FREE_RECEIVER: settings.rival}
+    bank = (rivals.get(count.policy) or settings.bank).complete()
     sent = sent_load(walk, bank, case.truth.t_s, settings)
     at = sent.at
     same = np.zeros(at.size, dtype=np.int32)

@@ -90,7 +90,7 @@ class TripRow:
         What must be known of the recording before any figure, by kind, as in
         `modelcast.trips.judgement.judge`; ``bank`` for sub-models that do not work as trained at this rate.
     in_training
-        Whether the bank was trained on this very trip: its figures then flatter.
+        Whether the bank or the free receiver was trained on this very trip: its figures then flatter.
     """
 
     id: str
@@ -137,7 +137,7 @@ TRIPS = TableSchema(
         count("skipped", "Rows skipped."),
         count("repaired", "Rows put right."),
         text("warnings", "Kinds of what must be known of the recording before any figure."),
-        flag("in_training", "Whether the bank was trained on this very trip."),
+        flag("in_training", "Whether the bank or the free receiver was trained on this very trip."),
     ),
 )
 """Trips: a row a trip; reasons and the smoother's figures are in `TripRow` alone."""
@@ -151,7 +151,7 @@ RATES = TableSchema(
     "Messages sent at one threshold on an ideal channel, without keep-alive.",
     (
         _TRIP,
-        text("policy", "Policy: mbc, or the name of another that decides (`--policy`); or baseline."),
+        text("policy", "Policy: mbc, or the name of another that decides (`--policy`); baseline; or free."),
         _BANK,
         quantity("threshold_m", "m", "Tracking-error threshold."),
         count("updates", "Model updates sent."),
@@ -209,7 +209,8 @@ TRACKING = TableSchema(
             "policy",
             "Policy: mbc, or the name of another that decides (`--policy`); baseline (error-driven at the "
             "same threshold), baseline-periodic or baseline-matched (error-driven with its threshold "
-            "bisected to the rate).",
+            "bisected to the rate); free (the free receiver at the same threshold), or free-matched (with "
+            "its threshold bisected to the rate).",
         ),
         _BANK,
         text(

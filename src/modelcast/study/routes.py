@@ -177,7 +177,9 @@ def _shared_cells(cells: Sequence[IntArray], others: Sequence[IntArray]) -> IntA
     for row, own in zip(shared, cells, strict=True):
         first = np.searchsorted(known, own, "left")
         count = np.searchsorted(known, own, "right") - first
-        place: IntArray = np.arange(count.sum()) + np.repeat(first - np.cumsum(count) + count, count)
+        before: IntArray = np.cumsum(count) - count
+        place: IntArray = np.repeat(first - before, count)
+        place += np.arange(place.size)
         row[:] = np.bincount(owner[place], minlength=len(others))
     return shared
 

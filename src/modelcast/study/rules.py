@@ -2,13 +2,30 @@
 
 from typing import Literal, get_args
 
-__all__ = ["BASELINES", "MODEL_SENDER", "RATE_BASES", "RateBasis"]
+__all__ = [
+    "BASELINES",
+    "FREE_MATCHED",
+    "FREE_RECEIVER",
+    "MODEL_SENDER",
+    "RATE_BASES",
+    "RIVALS",
+    "RateBasis",
+]
 
 MODEL_SENDER = "mbc"
 """What rows call the model-based sender where the error-driven policy decides."""
 
 BASELINES = ("baseline", "baseline-matched", "baseline-periodic")
 """What rows call the baselines."""
+
+FREE_RECEIVER = "free"
+"""What rows call plain messages whose receiver extrapolates well, sent by MBC's rules at its threshold."""
+
+FREE_MATCHED = "free-matched"
+"""The same at MBC's rate, with a threshold of its own."""
+
+RIVALS = (*BASELINES, FREE_RECEIVER, FREE_MATCHED)
+"""All that MBC is held against."""
 
 
 RateBasis = Literal["update", "total"]

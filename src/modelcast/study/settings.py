@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, asdict, dataclass, field, replace
+from numbers import Integral
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -16,14 +17,14 @@ from modelcast.models.bank import Bank
 from modelcast.models.learned import Selector
 from modelcast.models.profile import default_profile
 from modelcast.runtime.trip.context import ContextSettings
-from modelcast.station.banks import believe_of, rules_of
+from modelcast.station.banks import believe_of, free_bank, rules_of
 from modelcast.station.policy.base import AbstractTransmitPolicy
 from modelcast.station.policy.costs import CostTable
 from modelcast.station.policy.error_driven import LOSS_BUDGET, ErrorDriven
 from modelcast.station.policy.rules import BelieveRule, IdentifyRule, StartRule
 from modelcast.station.sender.lane_rules import check_rules
 from modelcast.station.sensing.rules import VelocityRule
-from modelcast.study.rules import BASELINES, MODEL_SENDER
+from modelcast.study.rules import MODEL_SENDER, RIVALS
 from modelcast.world.sensors import SensorModel
 
 __all__ = ["EvaluationSettings"]
@@ -91,6 +92,8 @@ class EvaluationSettings:
         Whose tracking-error samples are kept: of the ``first`` seed, ``all`` or ``none``.
     map_at
         Trip id and time of the manoeuvre to draw [s]; None picks the sharpest.
+    detail_threshold_m
+        Which of the thresholds timeline, map and figures of single trips show [m]; the first where None.
     quantised
         Whether senders, hosts and the baseline predict with what a message can say (the default), or with
         the numbers as they were fitted.
@@ -109,6 +112,12 @@ class EvaluationSettings:
     context
         What a bank that reads context is let know of the road and the vehicle ahead; its seed is that of the
         evaluation, its delay at least `delay_s`, and its losses are those of each loss ratio.
+    free
+        Bank of the free receiver that MBC is held against beside the baseline: plain messages whose receiver
+        extrapolates well; the shipped one where not given. It is not run where None, or where it is `bank`.
+    free_trained_on
+        Fingerprints of the trips that it was trained on; where None, those of the shipped profile for the
+        shipped one, and none for any other.
     decides
         A policy in NumPy that calls for the messages of model-based senders, at each threshold where it has
         one; None for the error-driven one. It knows of no channel. The baselines stay error-driven.
@@ -143,6 +152,7 @@ class EvaluationSettings:
     sensor: SensorModel = field(default_factory=SensorModel)
     keep_samples: Literal["first", "all", "none"] = "first"
     map_at: tuple[str, float] | None = None
+    detail_threshold_m: float | None = None
     quantised: bool = True
     sizes: SizeModel = field(default_factory=SizeModel)
     stack: Stack = field(default_factory=Stack)
@@ -150,13 +160,13 @@ class EvaluationSettings:
     velocity: VelocityRule = "auto"
     references: bool = True
     context: ContextSettings = field(default_factory=ContextSettings)
+    free: Bank | None = field(default_factory=free_bank)
+    free_trained_on: frozenset[str] | None = None
     decides: AbstractTransmitPolicy[Any] | None = None
     decided_by: str = ""
 
     def __post_init__(self) -> None:
-        require_type("bank", self.bank, Bank, remedy='give modelcast.bank_from_text("cv") or its like')
-        require_type("thresholds_m", self.thresholds_m, Sequence, remedy=_SEVERAL)
-        require_type("packet_error_ratios", self.packet_error_ratios, Sequence, remedy=_SEVERAL)
+        self._check_types()
         if not self.thresholds_m:
             raise ValueError("at least one threshold is needed")
         for name, values in (
@@ -180,6 +190,7 @@ class EvaluationSettings:
         for threshold_m in self.thresholds_m:
             check_rules(self.under_loss(threshold_m, 0.0), self.bank, self.selector)
         self._check_sender()
+        self._check_details()
         if self.mean_burst_s is not None and self.recorded is not None:
             raise ValueError("mean_burst_s and recorded: losses are drawn or replayed, give one of the two")
         for ratio in self.packet_error_ratios:
@@ -216,17 +227,67 @@ class EvaluationSettings:
             return policy
         return replace(policy, believe=self.belief, packet_error_ratio=ratio, budget=self.budget)
 
+    def _check_types(self) -> None:
+        """Refuse what is of another type than its name says."""
+        require_type("seeds", self.seeds, Integral, remedy="give a whole number")
+        require_type("seed", self.seed, Integral, remedy="give a whole number")
+        require_type("bank", self.bank, Bank, remedy='give modelcast.bank_from_text("cv") or its like')
+        require_type("thresholds_m", self.thresholds_m, Sequence, remedy=_SEVERAL)
+        require_type("packet_error_ratios", self.packet_error_ratios, Sequence, remedy=_SEVERAL)
+        if self.free is not None:
+            require_type("free", self.free, Bank, remedy='give modelcast.bank_from_text("free") or None')
+
+    def _check_details(self) -> None:
+        """Refuse a threshold to show that is none of those evaluated."""
+        if self.detail_threshold_m not in {None, *self.thresholds_m}:
+            known = ", ".join(f"{item:g}" for item in self.thresholds_m)
+            raise ValueError(f"detail_threshold_m must be one of {known}, got {self.detail_threshold_m:g}")
+
     def _check_sender(self) -> None:
         """Refuse a name that says nothing, or that rows give to somebody else."""
         if self.decided_by and self.decides is None:
             raise ValueError(f"decided_by must be empty where decides is None, got {self.decided_by!r}")
-        if self.decides is not None and self.sender in {MODEL_SENDER, *BASELINES}:
+        if self.decides is not None and self.sender in {MODEL_SENDER, *RIVALS}:
             raise ValueError(f"decided_by must not be the name of another sender, got {self.sender!r}")
 
     @property
     def sender(self) -> str:
         """What rows call model-based senders: ``mbc`` where the error-driven policy decides."""
         return MODEL_SENDER if self.decides is None else self.decided_by or type(self.decides).__name__
+
+    @property
+    def detail(self) -> int:
+        """Place among the thresholds of the one that detail figures show."""
+        return 0 if self.detail_threshold_m is None else self.thresholds_m.index(self.detail_threshold_m)
+
+    @property
+    def rival(self) -> Bank | None:
+        """The free receiver's bank where it is run: not beside itself."""
+        return None if self.free == self.bank else self.free
+
+    @property
+    def of_free(self) -> "EvaluationSettings":
+        """The settings that the free receiver's sender is run by: MBC's, as far as plain messages have them.
+
+        Raises
+        ------
+        ValueError
+            Where no free receiver is asked for.
+        """
+        if self.free is None:
+            raise ValueError("free is None: no free receiver is asked for")
+        return replace(
+            self,
+            bank=self.free,
+            start="order",
+            identify="never",
+            selector=None,
+            costs=None,
+            believe=self.belief,
+            legacy_threshold_m=np.inf,
+            decides=None,
+            decided_by="",
+        )
 
     @property
     def belief(self) -> BelieveRule:
@@ -248,6 +309,16 @@ class EvaluationSettings:
             return self.trained_on
         profile = default_profile()
         return frozenset(profile.training_trips if self.bank == profile.bank else ())
+
+    @property
+    def all_training_trips(self) -> frozenset[str]:
+        """Fingerprints of the trips that the bank or the free receiver was trained on."""
+        if self.rival is None:
+            return self.training_trips
+        if self.free_trained_on is not None:
+            return self.training_trips | self.free_trained_on
+        shipped = default_profile().training_trips if self.rival == free_bank() else ()
+        return self.training_trips | frozenset(shipped)
 
     @property
     def selector_in_use(self) -> Selector | None:
@@ -306,8 +377,10 @@ class EvaluationSettings:
             "sizes": asdict(self.sizes),
             "stack": asdict(self.stack),
             "keep_samples": self.keep_samples,
+            "detail_threshold_m": self.thresholds_m[self.detail],
             "references": self.references,
             "context": self.context.as_plain(),
+            "free": None if self.rival is None else [repr(member) for member in self.rival.members],
             "policy": None if self.decides is None else repr(self.decides),
             "decided_by": self.sender,
         }

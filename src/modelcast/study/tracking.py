@@ -5,7 +5,7 @@ message is always delivered. The equal-rate baselines take MBC's own rate in the
 included, either its updates alone (the paper) or all its messages (fairer).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
@@ -21,11 +21,22 @@ from modelcast.station.policy.periodic import Periodic
 from modelcast.study.case import TripCase
 from modelcast.study.histogram import Histogram
 from modelcast.study.matching import matched_threshold
-from modelcast.study.rules import RATE_BASES, RateBasis
+from modelcast.study.rules import FREE_MATCHED, FREE_RECEIVER, RATE_BASES, RateBasis
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.jumps import jumps_between
 
-__all__ = ["Contender", "LossRuns", "TrackingRun", "draw_losses", "run_tracking", "walks_under_loss"]
+__all__ = [
+    "Contender",
+    "FreeRuns",
+    "LossRuns",
+    "TrackingRun",
+    "draw_losses",
+    "run_tracking",
+    "walks_under_loss",
+]
+
+_FREE_BISECTIONS = 10
+"""Of the free receiver's threshold, 1 mm to 64 m, once a loss ratio: to about 1 % of the messages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,9 +135,16 @@ def draw_losses(case: TripCase, settings: EvaluationSettings) -> BoolArray:
 
 
 def run_tracking(
-    case: TripCase, mbc: Sequence[TripRuntime], baseline: TripRuntime, settings: EvaluationSettings
+    case: TripCase,
+    mbc: Sequence[TripRuntime],
+    baseline: TripRuntime,
+    settings: EvaluationSettings,
+    free: TripRuntime | None = None,
 ) -> Iterator[TrackingRun]:
     """Yield every contender's errors: MBC, the baseline, and four equal-rate baselines a threshold.
+
+    Behind them come those of the free receiver, where there is one: at the same threshold, and at MBC's rate
+    on either basis.
 
     Parameters
     ----------
@@ -138,34 +156,84 @@ def run_tracking(
         The baseline's bank.
     settings
         Thresholds, losses, seeds and rules.
+    free
+        The free receiver's bank, ready for what the sender sees.
     """
     runs = LossRuns(case, baseline, settings)
+    beside = None if free is None else FreeRuns(free, runs, settings.of_free)
     for threshold_m in settings.thresholds_m:
         policy = settings.policy(threshold_m, keep_alive=True)
-        own, *rivals = runs.contended(mbc, settings, threshold_m, RATE_BASES)
+        walks = walks_under_loss(mbc, settings, threshold_m)
+        own, *rivals = runs.contended(mbc, walks, settings, threshold_m, RATE_BASES)
         yield own
         yield runs.walked(
             baseline, [baseline.run(policy)], Contender("baseline", baseline.bank.name, None, threshold_m)
         )
         yield from rivals
+        if beside is not None:
+            yield beside.at_threshold(threshold_m)
+            yield from beside.at_equal_rate(threshold_m, walks)
 
 
 def walks_under_loss(
-    ready: TripRuntime, settings: EvaluationSettings, threshold_m: float
+    each: Sequence[TripRuntime], settings: EvaluationSettings, threshold_m: float
 ) -> list[TripMessages]:
     """Drive the trip as the loss runs do: one walk that serves all loss ratios, or one a ratio.
 
     Parameters
     ----------
-    ready
-        The bank.
+    each
+        The bank, ready for what the sender sees: once for all loss ratios, or once for each.
     settings
         Rules and loss ratios.
     threshold_m
         Threshold [m].
     """
-    ratios = settings.packet_error_ratios if settings.belief == "expected" else ()
-    return ready.run_each([settings.under_loss(threshold_m, ratio) for ratio in ratios or (0.0,)])
+    ratios = settings.packet_error_ratios
+    if len(each) > 1:
+        return [
+            one.run(settings.under_loss(threshold_m, ratio)) for one, ratio in zip(each, ratios, strict=True)
+        ]
+    expected = ratios if settings.belief == "expected" else ()
+    return each[0].run_each([settings.under_loss(threshold_m, ratio) for ratio in expected or (0.0,)])
+
+
+def messages_of(walks: Sequence[TripMessages], basis: RateBasis) -> tuple[int, ...]:
+    """How many messages of each walk count.
+
+    Parameters
+    ----------
+    walks
+        What was sent.
+    basis
+        Updates alone, or all.
+    """
+    return tuple(walk.updates + (walk.identifications if basis == "total" else 0) for walk in walks)
+
+
+def by_basis(
+    walks: Sequence[TripMessages],
+    bases: Sequence[RateBasis],
+    runs_of: Callable[[RateBasis], Sequence[TrackingRun]],
+) -> Iterator[TrackingRun]:
+    """Yield the runs at equal rate on each basis; where two bases count the same, they are run once.
+
+    Parameters
+    ----------
+    walks
+        What was sent: they are to send as many.
+    bases
+        Which of its messages count, one after another.
+    runs_of
+        Runs a basis.
+    """
+    found: dict[tuple[int, ...], Sequence[TrackingRun]] = {}
+    for basis in bases:
+        counts = messages_of(walks, basis)
+        if counts not in found:
+            found[counts] = runs_of(basis)
+        for run in found[counts]:
+            yield replace(run, contender=replace(run.contender, rate_basis=basis))
 
 
 class LossRuns:
@@ -192,6 +260,7 @@ class LossRuns:
     def contended(
         self,
         each: Sequence[TripRuntime],
+        walks: Sequence[TripMessages],
         settings: EvaluationSettings,
         threshold_m: float,
         bases: Sequence[RateBasis],
@@ -203,6 +272,8 @@ class LossRuns:
         each
             Its bank, ready for what it sees: once for all loss ratios, or once for each where loss changes
             what it knows. Then the baselines are at equal rate ratio by ratio.
+        walks
+            What it sent, as `walks_under_loss` gives it.
         settings
             Its rules.
         threshold_m
@@ -212,14 +283,16 @@ class LossRuns:
         """
         if len(each) > 1:
             parts: list[list[TrackingRun]] = []
-            for at, one in enumerate(each):
+            for at, (one, walk) in enumerate(zip(each, walks, strict=True)):
                 alone = replace(settings, packet_error_ratios=(settings.packet_error_ratios[at],))
-                parts.append(self._part(at).contended([one], alone, threshold_m, bases))
+                parts.append(self._part(at).contended([one], [walk], alone, threshold_m, bases))
             return [TrackingRun.stacked(runs) for runs in zip(*parts, strict=True)]
         ready, policy = each[0], settings.policy(threshold_m, keep_alive=True)
-        walks = walks_under_loss(ready, settings, threshold_m)
         own = self.walked(ready, walks, Contender(settings.sender, ready.bank.name, None, threshold_m))
-        return [own, *(run for basis in bases for run in self.equal_rate(policy, walks, basis))]
+        return [
+            own,
+            *by_basis(walks, bases, lambda basis: list(self.equal_rate(policy, walks, basis))),
+        ]
 
     def _part(self, at: int) -> "LossRuns":
         """The runs of one loss ratio alone; their losses are the same."""
@@ -259,7 +332,7 @@ class LossRuns:
         basis
             Which of its messages count.
         """
-        counts = [walk.updates + (walk.identifications if basis == "total" else 0) for walk in walks]
+        counts = messages_of(walks, basis)
         name = self._baseline.bank.name
         matched = [self._matched(policy.max_inter_transmit_time_s, messages) for messages in counts]
         yield self.walked(
@@ -347,3 +420,73 @@ class LossRuns:
             age_s=age_s,
             gaps_s=gaps,
         )
+
+
+class FreeRuns:
+    """The loss runs of the free receiver over one trip, by the rules of the model-based sender.
+
+    Parameters
+    ----------
+    ready
+        Its bank, ready for what the sender sees.
+    runs
+        The loss runs of the trip: it meets the same losses.
+    settings
+        The free receiver's (`EvaluationSettings.of_free`).
+    """
+
+    def __init__(self, ready: TripRuntime, runs: LossRuns, settings: EvaluationSettings) -> None:
+        self._ready = ready
+        self._runs = runs
+        self._settings = settings
+        self._counts: dict[tuple[float, float], int] = {}
+
+    def at_threshold(self, threshold_m: float) -> TrackingRun:
+        """Its errors at a threshold.
+
+        Parameters
+        ----------
+        threshold_m
+            Threshold [m].
+        """
+        walks = walks_under_loss([self._ready], self._settings, threshold_m)
+        return self._runs.walked(self._ready, walks, self._shown(FREE_RECEIVER, None, threshold_m))
+
+    def at_equal_rate(self, threshold_m: float, walks: Sequence[TripMessages]) -> Iterator[TrackingRun]:
+        """Yield its errors at the rate of another sender, on either basis; its threshold is bisected.
+
+        Parameters
+        ----------
+        threshold_m
+            Threshold that names the comparison [m].
+        walks
+            What the other sent, as in `LossRuns.walked`.
+        """
+
+        def runs_of(basis: RateBasis) -> list[TrackingRun]:
+            wanted = messages_of(walks, basis)
+            ratios = self._settings.packet_error_ratios if self._settings.belief == "expected" else (0.0,)
+            runs = max(len(wanted), len(ratios))
+            asked = zip(wanted * (runs // len(wanted)), ratios * (runs // len(ratios)), strict=True)
+            matched = [self._matched(messages, ratio) for messages, ratio in asked]
+            shown_as = self._shown(FREE_MATCHED, basis, threshold_m)
+            return [self._runs.walked(self._ready, matched, shown_as)]
+
+        return by_basis(walks, RATE_BASES, runs_of)
+
+    def _shown(self, policy: str, basis: RateBasis | None, threshold_m: float) -> Contender:
+        return Contender(policy, self._ready.bank.name, basis, threshold_m)
+
+    def _matched(self, messages: int, ratio: float) -> TripMessages:
+        """The walk whose count of messages comes nearest, at a loss ratio."""
+
+        def count(threshold_m: float) -> int:
+            key = threshold_m, ratio
+            if key not in self._counts:
+                self._counts[key] = self._run(threshold_m, ratio).updates
+            return self._counts[key]
+
+        return self._run(matched_threshold(count, messages, bisections=_FREE_BISECTIONS), ratio)
+
+    def _run(self, threshold_m: float, ratio: float) -> TripMessages:
+        return self._ready.run(self._settings.under_loss(threshold_m, ratio))

@@ -220,9 +220,10 @@ def _draw_messages(axes: Axes, result: ComparisonResult, protocol: str, looks: d
                 0.98, 0.985, note, transform=axes.transAxes, ha="right", va="top", fontsize=5.5, color=INK
             )
             continue
-        axes.plot(
-            range(len(values)), values, color=INK, linestyle=dashes, linewidth=0.8, label=label, zorder=1
-        )
+        places = [float(at) for at in range(len(values))]
+        if len(values) == 1:  # one threshold has a line too
+            places, values = [-0.4, 0.4], 2 * values
+        axes.plot(places, values, color=INK, linestyle=dashes, linewidth=0.8, label=label, zorder=1)
     axes.set_ylim(0.0, 1.15 * tallest)
 
 

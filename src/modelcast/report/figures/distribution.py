@@ -8,13 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from modelcast.report.figures.panels import empty_figure, panel_grid, policy_labels, top_legend
-from modelcast.report.headline import (
-    SHOWN_POLICIES,
-    nearest_ratio,
-    rate_basis,
-    role_of,
+from modelcast.report.figures.panels import (
+    READINGS,
+    empty_figure,
+    legend_of_all,
+    policy_labels,
+    reading_panels,
 )
+from modelcast.report.headline import nearest_ratio, rate_basis, role_of
 from modelcast.report.style import INK, POLICY_COLOURS, POLICY_LINES, style
 from modelcast.study.result import Ecdf, EvaluationResult
 
@@ -27,7 +28,7 @@ _TICKS_M = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0]
 def plot_distribution(result: EvaluationResult) -> Figure:
     """Return the distribution of the tracking error at the packet error ratio nearest to 40 %.
 
-    One panel for each threshold, with MBC and both readings of the equal-rate baseline.
+    A row for each threshold: on the left everybody runs at it, on the right everybody sends as often as MBC.
 
     Parameters
     ----------
@@ -41,28 +42,27 @@ def plot_distribution(result: EvaluationResult) -> Figure:
         replace(curve, policy=role_of(result, curve.policy))
         for curve in result.ecdfs
         if curve.packet_error_ratio == ratio
-        and role_of(result, curve.policy) in SHOWN_POLICIES
+        and role_of(result, curve.policy) in labels
         and curve.rate_basis in {None, basis}
         and np.isfinite(curve.tracking_error_m).any()
     ]
     with style():
         if ratio is None or not curves:
             return empty_figure("No distribution of the tracking error was evaluated.")
-        shown = f", packet error ratio {100 * ratio:.4g} %"
-        figure, panels = panel_grid(sorted({curve.threshold_m for curve in curves}), also=shown)
-        for threshold_m, axes in panels.items():
-            _draw_curves(
-                axes, threshold_m, [item for item in curves if item.threshold_m == threshold_m], labels
-            )
+        figure, panels = reading_panels(sorted({curve.threshold_m for curve in curves}))
+        for (threshold_m, reading), axes in panels.items():
+            own = [item for item in curves if item.threshold_m == threshold_m]
+            _draw_curves(axes, threshold_m, own, {role: labels[role] for role in READINGS[reading]})
         _scale(next(iter(panels.values())), curves)
-        figure.supxlabel("Position tracking error [m]", fontsize=7.5)
+        across = f"Position tracking error at a packet error ratio of {100 * ratio:.4g} % [m]"
+        figure.supxlabel(across, fontsize=7.5)
         figure.supylabel("Share of samples", fontsize=7.5)
-        top_legend(figure, next(iter(panels.values())))
+        legend_of_all(figure)
         return figure
 
 
 def _draw_curves(axes: Axes, threshold_m: float, curves: Sequence[Ecdf], labels: Mapping[str, str]) -> None:
-    for policy in SHOWN_POLICIES:
+    for policy in labels:
         for curve in curves:
             if curve.policy == policy:
                 axes.plot(

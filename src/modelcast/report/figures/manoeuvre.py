@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from modelcast.core.arrays import FloatArray
-from modelcast.report.figures.panels import drawable, empty_figure
+from modelcast.report.figures.panels import drawable, empty_figure, legend_of_all
 from modelcast.report.style import INK, PAGE_IN, model_colours, new_figure, style
 from modelcast.study.result import EvaluationResult, Manoeuvre
 from modelcast.study.wording import centimetres
@@ -39,8 +39,7 @@ def plot_manoeuvre(result: EvaluationResult) -> Figure:
         title = f"{drawable(manoeuvre.trip)}, predicted at {manoeuvre.start_s:.1f} s"
         chart.set_title(title, loc="left")
         growth.set_title("Error of each prediction", loc="left")
-        handles, labels = chart.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=3)
+        legend_of_all(figure, place="lower")
         return figure
 
 
@@ -81,16 +80,8 @@ def _draw_growth(axes: Axes, manoeuvre: Manoeuvre) -> None:
         lost_s = _survival_s(manoeuvre, name)
         if lost_s is not None:
             _cross(axes, np.array([lost_s, manoeuvre.threshold_m]), colours[name])
-    axes.axhline(manoeuvre.threshold_m, color=INK, linewidth=0.7, linestyle=(0, (1, 2)))
-    axes.annotate(
-        f"threshold {centimetres(manoeuvre.threshold_m)}",
-        (1.0, manoeuvre.threshold_m),
-        xycoords=("axes fraction", "data"),
-        xytext=(0, 2),
-        textcoords="offset points",
-        ha="right",
-        fontsize=6.5,
-    )
+    label = f"Threshold {centimetres(manoeuvre.threshold_m)}"
+    axes.axhline(manoeuvre.threshold_m, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), label=label)
     axes.set_xlabel("Time after the start [s]")
     axes.set_ylabel("Tracking error [m]")
     # Errors grow to many thresholds; where they cross it must stay in sight.

@@ -208,8 +208,7 @@ def plot_settling(result: NetworkResult) -> Figure:
                 axes.plot(
                     [row.t_s for row in own], [factor * getattr(row, name) for row in own], **curve.plain
                 )
-            axes.set_title(label, loc="left")
-        line[0].set_ylabel(radio)
+            axes.set_ylabel(label)
         for axes in line[:-1]:
             from_zero(axes)
     legend_above(figure, grid[0][0])

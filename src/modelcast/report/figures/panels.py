@@ -1,29 +1,35 @@
 """Small multiples, legends and labels that several figures share."""
 
 from collections.abc import Sequence
+from typing import Literal
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from modelcast.report.headline import policy_label, rate_basis, sender_label
+from modelcast.report.headline import SAME_RATE, SAME_THRESHOLD, policy_label, rate_basis, sender_label
 from modelcast.report.style import COLUMN_IN, PAGE_IN, new_figure
 from modelcast.study.result import EvaluationResult
-from modelcast.study.rules import BASELINES, MODEL_SENDER
+from modelcast.study.rules import MODEL_SENDER, RIVALS
 from modelcast.study.wording import centimetres
 
 __all__ = [
     "LONGEST_NAME",
-    "MOST_PANELS",
+    "MOST_READINGS",
+    "READINGS",
     "drawable",
     "empty_figure",
-    "panel_grid",
+    "legend_of_all",
     "policy_labels",
     "radio_panels",
+    "reading_panels",
     "top_legend",
 ]
 
-MOST_PANELS = 9
-"""More thresholds than this are thinned out evenly: panels must stay readable."""
+MOST_READINGS = 4
+"""More thresholds than this are thinned out evenly: panels must stay readable, and the figure on its page."""
+
+READINGS = {"same threshold": SAME_THRESHOLD, "same rate": SAME_RATE}
+"""Who is drawn in which column: a comparison has two readings, and neither may stand without the other."""
 
 _LAST_IN_FONT = "\u024f"
 
@@ -55,7 +61,7 @@ def policy_labels(result: EvaluationResult) -> dict[str, str]:
         The evaluation.
     """
     basis, sender = rate_basis(result), drawable(sender_label(result), LONGEST_NAME)
-    return {role: policy_label(role, basis, sender=sender) for role in (MODEL_SENDER, *BASELINES)}
+    return {role: policy_label(role, basis, sender=sender) for role in (MODEL_SENDER, *RIVALS)}
 
 
 def empty_figure(reason: str) -> Figure:
@@ -66,36 +72,57 @@ def empty_figure(reason: str) -> Figure:
     return figure
 
 
-def panel_grid(thresholds_m: Sequence[float], *, also: str = "") -> tuple[Figure, dict[float, Axes]]:
-    """Return a figure with one panel for each threshold, axes shared, by threshold.
+def reading_panels(
+    thresholds_m: Sequence[float], *, height_in: float = 1.65
+) -> tuple[Figure, dict[tuple[float, str], Axes]]:
+    """Return a figure with a row a threshold and a column a reading, axes shared, by threshold and reading.
 
     Parameters
     ----------
     thresholds_m
         At least one threshold, rising [m].
-    also
-        What the title of each panel says besides its threshold.
+    height_in
+        Of a row [in].
     """
-    if len(thresholds_m) > MOST_PANELS:
+    if len(thresholds_m) > MOST_READINGS:
         last = len(thresholds_m) - 1
-        thresholds_m = [thresholds_m[round(at * last / (MOST_PANELS - 1))] for at in range(MOST_PANELS)]
-    count = len(thresholds_m)
-    columns = 1 if count == 1 else 2 if count <= 4 else 3
-    rows = -(-count // columns)
-    width_in = COLUMN_IN if columns == 1 else PAGE_IN
-    figure = new_figure(width_in, 0.55 + (2.3 if columns == 1 else 1.75) * rows)
-    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    panels: dict[float, Axes] = {}
-    for at, axes in enumerate(grid.flat):
-        if at >= count:
-            axes.set_axis_off()
-            continue
-        axes.set_title(f"Threshold {centimetres(thresholds_m[at])}{also}")
-        panels[thresholds_m[at]] = axes
-        if at + columns >= count:
-            # An incomplete last row leaves the panels above its gap at the bottom of their column.
-            axes.tick_params(labelbottom=True)
+        thresholds_m = [thresholds_m[round(at * last / (MOST_READINGS - 1))] for at in range(MOST_READINGS)]
+    figure = new_figure(PAGE_IN, 1.1 + height_in * len(thresholds_m))
+    grid = figure.subplots(len(thresholds_m), len(READINGS), sharex=True, sharey=True, squeeze=False)
+    panels: dict[tuple[float, str], Axes] = {}
+    for line, threshold_m in zip(grid, thresholds_m, strict=True):
+        for axes, reading in zip(line, READINGS, strict=True):
+            axes.set_title(f"{reading.capitalize()}, {centimetres(threshold_m)}")
+            panels[threshold_m, reading] = axes
     return figure, panels
+
+
+def legend_of_all(figure: Figure, *, columns: int = 3, place: Literal["upper", "lower"] = "upper") -> None:
+    """Put one legend above or below all panels, each name once, those of all panels behind the others.
+
+    Parameters
+    ----------
+    figure
+        With its curves drawn.
+    columns
+        At most so many names side by side.
+    place
+        Above or below.
+    """
+    named = {
+        label: handle
+        for axes in figure.axes
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    shared = {name: handle for name, handle in named.items() if name.startswith("Threshold")}
+    named = {name: handle for name, handle in named.items() if name not in shared} | shared
+    if named:
+        figure.legend(
+            list(named.values()),
+            list(named),
+            loc="outside upper center" if place == "upper" else "outside lower center",
+            ncols=min(columns, len(named)),
+        )
 
 
 def radio_panels(

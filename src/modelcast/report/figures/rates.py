@@ -1,4 +1,6 @@
-"""Message rate and airtime against threshold: MBC beside the baseline, and the references across both."""
+"""Message rate and airtime against threshold: MBC, the free receiver and the baseline, and references."""
+
+from collections.abc import Iterable
 
 from matplotlib.axes import Axes
 from matplotlib.container import BarContainer
@@ -17,12 +19,14 @@ from modelcast.report.style import (
     style,
 )
 from modelcast.study.result import EvaluationResult
+from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
+from modelcast.study.table import Row
 
 __all__ = ["plot_rates"]
 
-_WIDTH = 0.38
-_REACH = 0.46
-_MOST_IN_COLUMN = 6
+_WIDTH = 0.27
+_REACH = 0.45
+_MOST_IN_COLUMN = 4
 _REFERENCE_LINES: dict[str, LineStyleType] = {
     "clairvoyant-1": "-",
     "clairvoyant-2": (0, (3.5, 1.0)),
@@ -32,15 +36,13 @@ _REFERENCE_LINES: dict[str, LineStyleType] = {
 _TALLEST_RATIO = 1.4
 """A line this much higher than the tallest bar would squeeze the bars."""
 
-_HEADROOM = 1.25
-
 
 def plot_rates(result: EvaluationResult) -> Figure:
-    """Return bars of the pooled message rate and, below, airtime at each threshold: MBC and the baseline.
+    """Return bars of the pooled message rate and, below, airtime at each threshold: MBC beside its rivals.
 
     Message rates of MBC are stacked by kind.
 
-    The references are thin lines across both bars of a threshold, or across all where they know none.
+    The references are thin lines across the bars of a threshold, or across all where they know none.
 
     Parameters
     ----------
@@ -55,59 +57,76 @@ def plot_rates(result: EvaluationResult) -> Figure:
         figure = new_figure(PAGE_IN if wide else COLUMN_IN, 4.0 if result.references else 3.6)
         axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1.0))
         _draw_bars(axes, lines, drawable(sender_label(result), LONGEST_NAME))
-        _draw_references(axes, result, lines)
+        off_hz = _off_the_scale(result, lines)
+        _draw_references(axes, result, lines, cam=off_hz is None)
+        if off_hz is not None:
+            note = f"{REFERENCE_LABELS['cam']}: {off_hz:.2f}/s, off the scale"
+            axes.set_title(note, loc="right", fontsize=6.0, color=INK)
         axes.set_xticks(range(len(lines)), [f"{100 * line.threshold_m:.4g}" for line in lines])
         axes.set_xlim(-0.6, len(lines) - 0.4)
         _draw_airtime(below, lines)
         axes.set_ylabel("Message rate [1/s]")
         axes.grid(visible=False, axis="x")
         axes.margins(y=0.09)
-        _keep_bars_large(axes, result, lines)
         _legend(figure, axes, wide=wide)
         return figure
 
 
+def _rows(lines: list[Headline]) -> dict[str, list[Row | None]]:
+    """The rows of each bar from the left, by role; nobody of whom there is none."""
+    found: dict[str, list[Row | None]] = {
+        MODEL_SENDER: [line.mbc for line in lines],
+        FREE_RECEIVER: [line.free for line in lines],
+        "baseline": [line.baseline for line in lines],
+    }
+    return {role: rows for role, rows in found.items() if any(row is not None for row in rows)}
+
+
+def _places(roles: Iterable[str], count: int) -> dict[str, list[float]]:
+    """Where the bars of each role stand."""
+    shown = list(roles)
+    step = _WIDTH + 0.02
+    first = -step * (len(shown) - 1) / 2
+    return {role: [at + first + step * nth for at in range(count)] for nth, role in enumerate(shown)}
+
+
 def _draw_bars(axes: Axes, lines: list[Headline], sender: str) -> None:
-    places = range(len(lines))
-    left, right = [at - _WIDTH / 2 - 0.01 for at in places], [at + _WIDTH / 2 + 0.01 for at in places]
-    updates = [0.0 if line.mbc is None else line.mbc.update_rate_hz for line in lines]
-    identifications = [0.0 if line.mbc is None else line.mbc.identification_rate_hz for line in lines]
-    baseline = [0.0 if line.baseline is None else line.baseline.total_rate_hz for line in lines]
-    axes.bar(left, updates, _WIDTH, color=POLICY_COLOURS["mbc"], label=f"{sender} updates")
-    tops = axes.bar(
-        left,
-        identifications,
-        _WIDTH,
-        bottom=updates,
-        color=IDENTIFICATION_COLOUR,
-        label=f"{sender} identifications",
-    )
-    beside = axes.bar(right, baseline, _WIDTH, color=POLICY_COLOURS["baseline"], label="Baseline")
-    _label_tops(axes, tops, [None if line.mbc is None else line.mbc.total_rate_hz for line in lines])
-    _label_tops(
-        axes, beside, [None if line.baseline is None else line.baseline.total_rate_hz for line in lines]
-    )
+    rows = _rows(lines)
+    for role, places in _places(rows, len(lines)).items():
+        colour, own = POLICY_COLOURS[role], rows[role]
+        totals_hz = [None if row is None else row.total_rate_hz for row in own]
+        if role != MODEL_SENDER:
+            name = {FREE_RECEIVER: "Free receiver", "baseline": "Baseline"}[role]
+            bars = axes.bar(places, [rate or 0.0 for rate in totals_hz], _WIDTH, color=colour, label=name)
+            _label_tops(axes, bars, totals_hz)
+            continue
+        updates = [0.0 if row is None else row.update_rate_hz for row in own]
+        named = [0.0 if row is None else row.identification_rate_hz for row in own]
+        label = f"{sender} identifications" if any(named) else ""
+        axes.bar(places, updates, _WIDTH, color=colour, label=f"{sender} updates" if any(named) else sender)
+        bars = axes.bar(places, named, _WIDTH, bottom=updates, color=IDENTIFICATION_COLOUR, label=label)
+        _label_tops(axes, bars, totals_hz)
 
 
 def _draw_airtime(axes: Axes, lines: list[Headline]) -> None:
-    for policy, shift in (("mbc", -1), ("baseline", 1)):
-        rows = [line.mbc if policy == "mbc" else line.baseline for line in lines]
-        places = [at + shift * (_WIDTH / 2 + 0.01) for at in range(len(lines))]
-        heights = [0.0 if row is None else 1000.0 * row.airtime_per_s for row in rows]
-        bars = axes.bar(places, heights, _WIDTH, color=POLICY_COLOURS[policy])
-        _label_tops(axes, bars, [None if row is None else 1000.0 * row.airtime_per_s for row in rows])
+    rows = _rows(lines)
+    for role, places in _places(rows, len(lines)).items():
+        airtime_ms = [None if row is None else 1000.0 * row.airtime_per_s for row in rows[role]]
+        heights = [height or 0.0 for height in airtime_ms]
+        bars = axes.bar(places, heights, _WIDTH, color=POLICY_COLOURS[role])
+        _label_tops(axes, bars, airtime_ms)
     axes.set_ylabel("Airtime [ms/s]")
     axes.set_xlabel("Tracking-error threshold [cm]")
     axes.grid(visible=False, axis="x")
     axes.margins(y=0.25)
 
 
-def _draw_references(axes: Axes, result: EvaluationResult, lines: list[Headline]) -> None:
+def _draw_references(axes: Axes, result: EvaluationResult, lines: list[Headline], *, cam: bool) -> None:
     """Draw a line a threshold for each degree, on white to stand out from the bars, and one for all CAM."""
     for name, dashes in _REFERENCE_LINES.items():
         rows = [pooled_reference(result, name, line.threshold_m) for line in lines]
         found = [(at, row.rate_hz) for at, row in enumerate(rows) if row is not None]
-        if not found:
+        if not found or (name == "cam" and not cam):
             continue
         rates_hz = [rate_hz for _, rate_hz in found]
         if name == "cam":
@@ -122,16 +141,18 @@ def _draw_references(axes: Axes, result: EvaluationResult, lines: list[Headline]
         )
 
 
-def _keep_bars_large(axes: Axes, result: EvaluationResult, lines: list[Headline]) -> None:
-    """Leave a far higher CAM rate off the scale, and say how high it is."""
+def _off_the_scale(result: EvaluationResult, lines: list[Headline]) -> float | None:
+    """How high the CAM rate is where it is so high that its line would squeeze the bars; else None."""
     cam = pooled_reference(result, "cam", lines[0].threshold_m)
-    rows = [row for line in lines for row in (line.mbc, line.baseline) if row is not None]
-    tallest_hz = max(row.total_rate_hz for row in rows)
+    tallest_hz = _tallest_hz(lines)
     if cam is None or tallest_hz == 0.0 or cam.rate_hz <= _TALLEST_RATIO * tallest_hz:
-        return
-    axes.set_ylim(0.0, _HEADROOM * tallest_hz)
-    note = f"{REFERENCE_LABELS['cam']}: {cam.rate_hz:.2f}, off the scale"
-    axes.text(0.99, 0.985, note, transform=axes.transAxes, ha="right", va="top", fontsize=6.0, color=INK)
+        return None
+    return cam.rate_hz
+
+
+def _tallest_hz(lines: list[Headline]) -> float:
+    rows = [row for line in lines for row in (line.mbc, line.baseline, line.free) if row is not None]
+    return max(row.total_rate_hz for row in rows)
 
 
 def _legend(figure: Figure, axes: Axes, *, wide: bool) -> None:
@@ -152,5 +173,7 @@ def _legend(figure: Figure, axes: Axes, *, wide: bool) -> None:
 
 
 def _label_tops(axes: Axes, bars: BarContainer, totals_hz: list[float | None]) -> None:
+    """Write each total on white above its bar: no line goes through it."""
     labels = ["" if total is None else f"{total:.2f}" for total in totals_hz]
-    axes.bar_label(bars, labels, padding=1.5, fontsize=6.0)
+    for text in axes.bar_label(bars, labels, padding=1.5, fontsize=5.5, zorder=5):
+        text.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.4})

@@ -73,7 +73,18 @@ class CompareSettings:
 
     def as_plain(self) -> Mapping[str, Any]:
         """The settings as plain values, for summaries; what differs between candidates is not among them."""
-        own = {"bank", "sub_models", "start", "identify", "selector", "costs", "protocol", "keep_samples"}
+        own = {
+            "bank",
+            "sub_models",
+            "start",
+            "identify",
+            "selector",
+            "costs",
+            "protocol",
+            "keep_samples",
+            "free",
+            "detail_threshold_m",
+        }
         shared = {key: value for key, value in self.evaluation.as_plain().items() if key not in own}
         return {
             **shared,

@@ -15,6 +15,7 @@ from modelcast.study.rate import count_rates
 from modelcast.study.rules import RateBasis
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.table import Row
+from modelcast.study.tracking import walks_under_loss
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["READINGS", "RIVALS", "ErrorGroup", "Trial", "candidate_row", "fit_folds", "run_trial"]
@@ -230,7 +231,8 @@ def _add_errors(
         return
     groups = iter(trial.groups)
     for threshold_m in settings.thresholds_m:
-        own, *rivals = trip.losses.contended(each, settings, threshold_m, bases)
+        walks = walks_under_loss(each, settings, threshold_m)
+        own, *rivals = trip.losses.contended(each, walks, settings, threshold_m, bases)
         for at in range(len(bases)):
             runs = [own, *rivals[len(RIVALS) * at : len(RIVALS) * (at + 1)]]
             for row in range(len(settings.packet_error_ratios)):

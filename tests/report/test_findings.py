@@ -1,0 +1,202 @@
+"""Claims about the three sentences that a report begins with."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from modelcast.report.findings import findings
+from modelcast.study.result import RATES, TRACKING, EvaluationResult
+from modelcast.study.table import Row
+
+Make = Callable[..., EvaluationResult]
+BASELINE = "the baseline (plain messages, coasted at constant velocity)"
+
+
+def with_rates(result: EvaluationResult, mbc: float, free: float = 1.0) -> EvaluationResult:
+    """The same with so many messages over the baseline's."""
+    hz = {"mbc": mbc, "free": free, "baseline": 1.0}
+    return replace(
+        result, rates=RATES.table(row.replaced(total_rate_hz=hz[row.policy]) for row in result.rates)
+    )
+
+
+def with_errors(
+    result: EvaluationResult, half_width: float | None = 0.001, **p90_m: float
+) -> EvaluationResult:
+    """The same with errors of 1 m but for those given, and intervals of this half width."""
+
+    def made(row: Row) -> Row:
+        value = p90_m.get(row.policy.replace("-", "_"), 1.0)
+        ends = (None, None) if half_width is None else (value - half_width, value + half_width)
+        return row.replaced(pte_p90_m=value, pte_p90_low_m=ends[0], pte_p90_high_m=ends[1])
+
+    return replace(result, tracking=TRACKING.table(made(row) for row in result.tracking))
+
+
+def without(result: EvaluationResult, *policies: str) -> EvaluationResult:
+    return replace(
+        result,
+        rates=RATES.table(row for row in result.rates if row.policy not in policies),
+        tracking=TRACKING.table(row for row in result.tracking if row.policy not in policies),
+    )
+
+
+@pytest.mark.parametrize(
+    ("mbc", "said"),
+    [
+        (
+            0.5,
+            f"sent fewer messages than {BASELINE}, 0.50 times as many",
+        ),
+        (
+            1.0,
+            f"sent as many messages as {BASELINE}, 1.00 times as many",
+        ),
+        (
+            1.2,
+            f"sent more messages than {BASELINE}, 1.20 times as many",
+        ),
+    ],
+)
+def test_the_verb_of_messages_is_that_of_their_ratio(make_result: Make, mbc: float, said: str) -> None:
+    assert said in findings(with_rates(make_result(), mbc))[0]
+
+
+def test_thresholds_that_differ_are_told_as_a_range(make_result: Make) -> None:
+    result = make_result(thresholds=(0.2, 0.5))
+    rates = RATES.table(
+        row.replaced(total_rate_hz=(2.5 if row.threshold_m == 0.2 else 0.5) if row.policy == "mbc" else 1.0)
+        for row in result.rates
+    )
+    said = findings(replace(result, rates=rates))[0]
+    assert "sent fewer or more messages than the baseline" in said
+    assert "0.50 to 2.50 times as many" in said
+
+
+def test_mbc_is_told_at_its_first_use(make_result: Make) -> None:
+    first = findings(make_result())[0]
+    assert first.count("MBC") == 1
+    assert "MBC (model-based communication: a vehicle sends a small model of its motion" in first
+    foreign = replace(make_result(), settings={"decided_by": "soon"})
+    renamed = {"rates": RATES, "tracking": TRACKING}
+    tables = {
+        name: schema.table(
+            row.replaced(policy="soon") if row.policy == "mbc" else row for row in getattr(foreign, name)
+        )
+        for name, schema in renamed.items()
+    }
+    assert "soon (a policy for model-based communication:" in findings(replace(foreign, **tables))[0]
+
+
+@pytest.mark.parametrize(
+    ("mbc", "said"),
+    [
+        (0.5, "was smaller than that of the better baseline, 0.62 times as large"),
+        (0.8, "was as large as that of the better baseline, 1.00 times as large"),
+        (1.6, "was larger than that of the better baseline, 2.00 times as large"),
+    ],
+)
+def test_errors_at_equal_rate_are_held_against_the_harder_baseline(
+    make_result: Make, mbc: float, said: str
+) -> None:
+    first = findings(with_errors(make_result(), mbc=mbc, baseline_matched=0.8))[0]
+    assert "at the same rate and with 40 % of the messages lost its error (90th percentile)" in first
+    assert said in first
+
+
+def test_cells_in_which_mbc_is_worse_are_counted_by_reading_and_the_worst_is_named(make_result: Make) -> None:
+    """At the same threshold with what it saved: fewer messages and a larger error belong together."""
+    result = with_errors(make_result(), mbc=2.57, baseline=1.58, free=3.0, free_matched=3.0)
+    worst = next(row for row in result.tracking if row.policy == "mbc" and row.trip == "all")
+    halved = TRACKING.table(
+        row.replaced(message_rate_hz=0.5 * worst.message_rate_hz) if row.policy == "mbc" else row
+        for row in result.tracking
+    )
+    second = findings(replace(result, tracking=halved))[1]
+    assert (
+        "the baseline's in all 12 at the same threshold (most at 20 cm, 20 % lost: 2.57 against 1.58 m, "
+        "for 0.50 times the messages) and in all 12 at the same rate (most at" in second
+    )
+    assert (
+        "the free receiver's in none of 12 at the same threshold and in none of 12 at the same rate" in second
+    )
+
+
+@pytest.mark.parametrize(
+    ("half_width", "said"),
+    [
+        (0.001, "where the two intervals over the seeds overlap in none of 12"),
+        (2.0, "where the two intervals over the seeds overlap in all 12"),
+        (None, "one seed has no interval that tells this from chance"),
+    ],
+)
+def test_what_may_be_chance_is_told(make_result: Make, half_width: float | None, said: str) -> None:
+    assert said in findings(with_errors(make_result(), half_width, mbc=0.5))[1]
+
+
+def test_a_run_without_loss_says_nothing_of_losses(make_result: Make) -> None:
+    first, second, _ = findings(make_result(ratios=(0.0,)))
+    assert "at the same rate and without loss its error" in first
+    assert "in none of 4 at the same threshold" in second
+    assert "no message was lost, so nothing is said of losses" in second
+    assert "lost" not in findings(make_result())[1].replace("% lost", "")
+
+
+def test_a_run_of_rates_alone_says_that_no_error_was_measured(make_result: Make) -> None:
+    first, second, _ = findings(replace(make_result(), tracking=TRACKING.table()))
+    assert "error (90th" not in first
+    assert second.startswith("Errors were not measured")
+
+
+@pytest.mark.parametrize(
+    ("mbc", "free", "said"),
+    [
+        (0.5, 0.55, "the free receiver alone saves 0.90 of the messages that are saved over the baseline"),
+        (0.5, 1.2, "the free receiver saves no message over the baseline"),
+        (0.5, 0.4, "the free receiver alone saves 1.20 of the messages"),
+    ],
+)
+def test_where_the_saving_comes_from_is_told(make_result: Make, mbc: float, free: float, said: str) -> None:
+    assert said in findings(with_rates(make_result(), mbc, free))[1]
+
+
+def test_nothing_is_said_of_who_was_not_run(make_result: Make) -> None:
+    told = " ".join(findings(without(with_rates(make_result(), 0.5), "free", "free-matched")))
+    assert "free receiver" not in told
+    alone = findings(
+        without(make_result(), "free", "free-matched", "baseline", "baseline-matched", "baseline-periodic")
+    )
+    assert "was run alone" in alone[0]
+    assert alone[1] == "Nobody's errors were measured beside MBC's."
+
+
+def test_the_data_are_told_with_number_time_origin_and_sensors(make_result: Make) -> None:
+    result = make_result()
+    sensor = {"position_noise_m": 0.01, "slow_position_noise_m": 0.0, "heading_noise_rad": 0.0174533}
+    seen = replace(result, settings={**result.settings, "sensor": sensor})
+    third = findings(seen)[2]
+    assert third.startswith(
+        "These figures are of 3 trips, 30.1 min, recorded (csv); protocol recorded (2 of them)"
+    )
+    assert (
+        "the truth (smoothed) through sensors with standard errors of 0.01 m in position and 1° in heading"
+        in third
+    )
+    assert "one trip" not in third
+
+
+def test_one_generated_trip_is_told_as_such(make_result: Make) -> None:
+    result = make_result(trips=("generated/0",))
+    made = replace(result, trips=tuple(replace(trip, source="generated") for trip in result.trips))
+    third = findings(made)[2]
+    assert "1 trip, 10.0 min, generated by a program, not recorded" in third
+    assert third.endswith("; one trip says nothing of others.")
+    mixed = make_result()
+    first, *others = mixed.trips
+    both = replace(mixed, trips=(replace(first, source="generated"), *others))
+    assert "1 of them generated by a program, not recorded, the others recorded (csv)" in findings(both)[2]
+
+
+def test_a_result_of_nothing_has_no_sentence(make_result: Make) -> None:
+    assert findings(replace(make_result(), trips=())) == []
