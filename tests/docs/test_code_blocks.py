@@ -200,6 +200,7 @@ def test_the_guide_shows_the_example_packages_whole() -> None:
             assert one.relative_to(ROOT).as_posix() in shown
 
 
+@pytest.mark.slow
 def test_the_sub_model_of_the_guide_keeps_the_contract(tmp_path: Path) -> None:
     """Its files, as printed, beside the others; then the conformance suite, alone and in a bank."""
     package = tmp_path / "models"
