@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo demo-live docs test test-only verify check lint types bench bench-paired mutate fuzz paper validate soak setup setup-dev lock clean same
+.PHONY: demo demo-live docs test test-only verify check lint types bench bench-paired mutate fuzz figures paper validate soak setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -14,8 +14,9 @@ demo-live: $(VENV)/.node
 	$(BIN)/modelcast demo-live $(DEMO_LIVE_ARGUMENTS)
 
 # The documentation site, out/site/index.html; a broken link, a page in no menu or a docstring that does not parse ends it.
+# DOCS_ARGUMENTS are the script's (--out, --base).
 docs: $(VENV)/.docs
-	$(BIN)/python tools/website/build.py
+	$(BIN)/python tools/website/build.py $(DOCS_ARGUMENTS)
 
 # Bytecode is kept whatever the environment says: tests start hundreds of interpreters, most of which would else be
 # compiling modelcast's sources. pyright is one process that waits for nobody, so it runs beside the tests.
@@ -24,7 +25,7 @@ test: lint
 	$(MAKE) --no-print-directory --jobs=2 types test-only
 
 test-only: setup-dev
-	$(BIN)/python -m pytest -n auto --dist worksteal
+	$(BIN)/python -m pytest -n auto --dist worksteal --junitxml=out/test-times.xml
 
 # What is slow: a wheel installed, upgraded and run, processes that race on a cold cache.
 verify: setup-dev
@@ -73,6 +74,12 @@ validate: setup-dev
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/ns3_load.py $(MODELCAST_NS3_PYTHON) --keep out/ns3-load)
 	$(if $(MODELCAST_NS3_PYTHON),$(BIN)/python validation/closed_loop_ns3.py out/closed-loop-ns3)
 
+# The tables of README.md and docs that take seconds; FIGURES_ARGUMENTS are the script's: --check compares, --only NAME makes
+# others, --list says what makes what, --numbers lists numbers in prose that no table has.
+FIGURES_ARGUMENTS ?=
+figures: setup-dev
+	$(BIN)/python validation/figures.py $(FIGURES_ARGUMENTS)
+
 # docs/paper.md, and the paper's blocks of README.md and docs/results.md; needs MODELCAST_DATA.
 paper: setup-dev
 	$(BIN)/python validation/paper.py $(PAPER_ARGUMENTS)
@@ -113,15 +120,15 @@ $(VENV)/.docs: requirements-docs.lock $(VENV)/.runtime
 # Needs uv; nothing else here does.
 lock:
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-		pyproject.toml --group build -o requirements.lock
+		pyproject.toml --group build --extra network -o requirements.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 		pyproject.toml --group dev -o requirements-dev.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
 		pyproject.toml --group fuzz -o requirements-fuzz.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-		pyproject.toml --group build --extra node -c requirements-dev.lock -o requirements-node.lock
+		pyproject.toml --group build --extra network --extra node -c requirements-dev.lock -o requirements-node.lock
 	uv pip compile --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-		pyproject.toml --group build --group docs --extra node -c requirements-dev.lock -o requirements-docs.lock
+		pyproject.toml --group build --group docs --extra network --extra node -c requirements-dev.lock -o requirements-docs.lock
 
 clean:
 	rm -rf $(VENV) out build dist

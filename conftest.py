@@ -1,11 +1,20 @@
-"""Which modules are searched for examples: those whose text has one."""
+"""What all tests share beside fixtures: which modules have examples, where JAX keeps what it compiled."""
 
+import os
 from collections.abc import Generator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from _pytest.doctest import DoctestModule
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let JAX keep what it compiled: a network trained a second time is else compiled a second time."""
+    kept = getattr(config, "cache", None)  # none where pytest is told to keep nothing
+    if kept is not None:
+        os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(kept.mkdir("jax")))
+        os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.05")
 
 
 @pytest.hookimpl(wrapper=True)

@@ -24,6 +24,9 @@ from modelcast.station.sensing.sensing import sample_matrix
 from modelcast.station.sensing.velocity import velocity_estimator_for
 from modelcast.trips.trajectory import Trajectory
 
+os.environ.setdefault(
+    "MODELCAST_PROGRESS", "none"
+)  # what commands say meanwhile depends on the time they take
 settings.register_profile("ci", derandomize=True, deadline=None)
 settings.load_profile("ci")
 

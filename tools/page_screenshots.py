@@ -1,10 +1,12 @@
-"""Take pictures of the page, wide and narrow, by day and at night, into a folder.
+"""Take pictures of the live page or of a report into a folder, wide and narrow.
 
-They show the drive of ``modelcast view --demo`` after 46 seconds, with the remote nearest to the host chosen,
-or with ``--live`` the page of ``modelcast demo-live`` after half a minute.
+Of the page they show, by day and at night, the drive of ``modelcast view --demo`` after 46 seconds, with the
+remote nearest to the host chosen, or with ``--live`` the page of ``modelcast demo-live`` after half a minute.
+Of a report they show all of it, its first figure enlarged and, where it plays a trip, the trip with losses.
 
     python tools/page_screenshots.py out/page
     python tools/page_screenshots.py --live out/live
+    python tools/page_screenshots.py --report out/demo/report.html out/report
 """
 
 import argparse
@@ -38,9 +40,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--live", action="store_true", help="of modelcast demo-live, after half a minute")
+    parser.add_argument("--report", type=Path, help="of this report")
     arguments = parser.parse_args()
     folder: Path = arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
+    if arguments.report is not None:
+        _take_report(arguments.report.resolve().as_uri(), folder)
+        return
     words = [sys.executable, "-u", "-m", "modelcast"]
     if arguments.live:
         words += ["demo-live", "--port", "0", "--udp-port", "16795", "--duration", "120"]
@@ -79,10 +85,37 @@ def _take(address: str, folder: Path, *, live: bool) -> None:
         if live:
             next(iter(pages.values())).wait_for_timeout(LIVE_S * 1000.0)
         for name, page in pages.items():
-            for _ in range(2):
-                page.evaluate("new Promise((done) => requestAnimationFrame(() => done(null)))")
+            _settled(page)
             page.screenshot(path=folder / f"{name}.png")
         browser.close()
+
+
+def _take_report(address: str, folder: Path) -> None:
+    """Take the pictures of a report: ``report-*``, ``figure-*`` and ``trip-*``."""
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415 - after the help
+
+    with sync_playwright() as engine:
+        browser = engine.chromium.launch(executable_path=shutil.which("chromium"), args=ARGUMENTS)
+        for name, (width, height) in SIZES.items():
+            page = browser.new_context(viewport={"width": width, "height": height}).new_page()
+            page.goto(address)
+            page.screenshot(path=folder / f"report-{name}.png", full_page=True)
+            trip = page.locator("#playback")
+            if trip.count():
+                page.locator("#playback-channel").select_option(
+                    index=page.locator("#playback-channel option").count() - 1
+                )
+                _settled(page)
+                trip.screenshot(path=folder / f"trip-{name}.png")
+            page.locator("button.enlarge").first.click()
+            page.screenshot(path=folder / f"figure-{name}.png")
+        browser.close()
+
+
+def _settled(page: "Page") -> None:
+    """Wait until what was changed is drawn."""
+    for _ in range(2):
+        page.evaluate("new Promise((done) => requestAnimationFrame(() => done(null)))")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,19 @@
 """Tables that scripts put into pages: what stands between the marks of a block is made anew."""
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-__all__ = ["put"]
+__all__ = ["blocks_in", "put"]
+
+_BLOCK = re.compile(r"<!-- begin ([^>]+) -->\n(.*?)<!-- end \1 -->", re.DOTALL)
+_PAPER = re.compile(r"<!-- (paper): [^>]+-->\n(.*?)<!-- /paper -->", re.DOTALL)
+
+
+def blocks_in(text: str) -> dict[str, list[str]]:
+    """Return the lines of a page's blocks, by name; that of ``make paper`` has marks of its own."""
+    found = (*_BLOCK.findall(text), *_PAPER.findall(text))
+    return {name: lines.strip().splitlines() for name, lines in found}
 
 
 def _paged(text: str, found: Mapping[str, Sequence[str]]) -> str:

@@ -250,7 +250,9 @@ def sizes() -> list[str]:
 def main() -> int:
     """Write or compare."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--check", action="store_true")
+    which.add_argument("--write", action="store_true", help="what it does where nothing is asked")
     parser.add_argument("--agree", type=int, default=0)
     given = parser.parse_args()
     if given.agree:

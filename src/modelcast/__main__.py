@@ -7,13 +7,18 @@ __all__ = ["main"]
 
 def main() -> None:
     """Run the command line and leave with its exit code."""
+    # Importing this module must stay cheap.
+    from modelcast.cli import signals  # noqa: PLC0415
+
     try:
-        from modelcast.cli.app import run  # noqa: PLC0415 - importing this module must stay cheap
+        signals.install()
+        from modelcast.cli.app import run  # noqa: PLC0415
 
         code = run(sys.argv[1:])
-    except KeyboardInterrupt:  # while importing, or a second one while cleaning up
+    except KeyboardInterrupt as error:  # while importing
         sys.stderr.write("modelcast: interrupted\n")
-        code = 130
+        code = signals.TERMINATED if isinstance(error, signals.Terminated) else signals.INTERRUPTED
+    signals.finish()
     sys.exit(code)
 
 

@@ -38,7 +38,8 @@ def test_an_interrupt_in_an_evaluation_ends_with_130_and_one_line(tmp_path: Path
     found = subprocess.run(  # noqa: S603 - our own interpreter
         [sys.executable, "-c", PROGRAM, *words], env=known, capture_output=True, text=True, check=False
     )
-    assert (found.returncode, found.stderr) == (130, "modelcast: interrupted\n")
+    line = f"modelcast: interrupted; --out {tmp_path / 'out'} is not written\n"
+    assert (found.returncode, found.stderr) == (130, line)
     assert not (tmp_path / "out").exists()
     assert not [one for one in tmp_path.iterdir() if one.name != "drive.csv"]
 

@@ -218,7 +218,7 @@ def test_without_sumo_the_extra_is_named_before_anything_runs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(words(tmp_path / "out", scenario="sumo-highway")) == USAGE
-    assert "modelcast[sumo]" in capsys.readouterr().err
+    assert " install eclipse-sumo libsumo" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(not HAS_SUMO, reason="the extra sumo is not installed")

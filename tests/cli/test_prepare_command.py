@@ -67,7 +67,14 @@ print(json.dumps({"told": met.ready, "before": len(before), "heard": min(heard),
 """
 
 
-@pytest.mark.parametrize(("policy", "port"), [("mbc", 16821), ("bsm-10hz", 16822), ("j2945-free", 16823)])
+@pytest.mark.parametrize(
+    ("policy", "port"),
+    [
+        pytest.param("mbc", 16821, marks=pytest.mark.slow),
+        pytest.param("bsm-10hz", 16822, marks=pytest.mark.slow),
+        ("j2945-free", 16823),
+    ],
+)
 def test_what_a_rehearsal_makes_ready_is_all_that_nodes_run(policy: str, port: int) -> None:
     found = subprocess.run(  # noqa: S603 - our own interpreter and text
         [sys.executable, "-c", NODES, policy, str(port)],

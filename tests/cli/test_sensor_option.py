@@ -12,6 +12,7 @@ from modelcast.cli.options import SensorOptions
 from modelcast.cli.run_record import EvaluationRun, load_run, write_run
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.write_trips import write_csv
+from modelcast.trips.trajectory import Trajectory
 from modelcast.world.drive import generate_drive
 from modelcast.world.named_sensors import named_sensor
 
@@ -62,10 +63,11 @@ def test_a_sensor_by_name_makes_sensor_of_auto_and_leaves_the_other_protocols() 
 
 
 def test_a_real_trip_is_truth_and_the_sender_sees_it_through_the_sensor(
-    data_folder: Path, tmp_path: Path
+    dynamic_trips: dict[str, Trajectory], tmp_path: Path
 ) -> None:
     """A clean log, which auto alone would give to the sender as it is; errors of the speed cost messages."""
-    log = str(data_folder / "openacc_zalazone" / "short_setting__dynamic_part12.csv")
+    log = str(tmp_path / "log.csv")
+    write_csv([next(iter(dynamic_trips.values()))], log)
     small = ("--threshold", "0.2", "--per", "0", "--seeds", "1", "--bank", "cv", "--no-references")
     sent: dict[str, int] = {}
     for name in ("ideal", "phone", None):

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from modelcast.cli.app import USAGE, run
+from modelcast.cli.signals import INTERRUPTED
 
 
 def test_one_of_a_log_and_the_demo_is_needed(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -38,11 +39,15 @@ def test_the_address_is_printed_with_a_token_where_others_can_look(
         '"received_bytes_per_s":0,"loss_ratio":null,"channel_busy_ratio":null,"rejected":{}}}\n'
     )
     words = [sys.executable, "-u", "-m", "modelcast", "view", str(log), "--host", host, "--port", "0"]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as running:  # noqa: S603
+    with subprocess.Popen(  # noqa: S603 - our own interpreter
+        words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as running:
         assert running.stdout is not None
+        assert running.stderr is not None
         address = running.stdout.readline().strip()
         running.send_signal(signal.SIGINT)
-        assert running.wait(20) == 0
+        assert running.wait(60) == INTERRUPTED
+        assert running.stderr.read() == "modelcast: interrupted\n"
     assert address.startswith(f"http://{host}:")
     assert ("?token=" in address) is asks
     if asks:

@@ -222,12 +222,17 @@ def test_what_is_kept_is_loaded_and_not_compiled(tmp_path: Path) -> None:
     fixture_package(tmp_path, 2.0)
     watching = """
     import numpy as np
-    from modelcast.core import kernel
-    kernel.watch(lambda name: print("compiles", name) if name else None)
+    from modelcast.core.compiling import watch
+    watch(lambda one: print("compiles", one.label, one.left) if one.label else None)
     from fixture_package.caller import total
     print(total(np.arange(4.0)))
     """
-    assert "compiles fixture_package.caller.total" in run_fixture(tmp_path, watching).stdout
+    first = run_fixture(tmp_path, watching).stdout.splitlines()
+    assert first == [
+        "compiles fixture_package.caller.total 2",
+        "compiles fixture_package.callee.scaled 1",
+        "12.0",
+    ]
     assert run_fixture(tmp_path, watching).stdout == "12.0\n"
 
 
@@ -243,8 +248,8 @@ def test_what_callers_took_in_is_kept_and_python_gets_the_whole(tmp_path: Path) 
     (tmp_path / "fixture_package" / "other.py").write_text(CALLER.replace("def total", "def again"))
     other = """
     import numpy as np
-    from modelcast.core import kernel
-    kernel.watch(lambda name: print("compiles", name.rpartition(".")[2]) if name else None)
+    from modelcast.core.compiling import watch
+    watch(lambda one: print("compiles", one.label.rpartition(".")[2]) if one.label else None)
     from fixture_package.callee import scaled
     from fixture_package.other import again
     print(again(np.arange(4.0)), scaled(1.5))

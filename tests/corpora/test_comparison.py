@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 import modelcast
-from modelcast.cli.app import INTERRUPTED, USAGE, run
+from modelcast.cli.app import USAGE, run
 from modelcast.cli.reading import PARTLY_FAILED
+from modelcast.cli.signals import INTERRUPTED
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.comparison import ComparisonJob, pool_comparison, why_not_shared
 from modelcast.corpora.executors.here import HereExecutor
@@ -86,7 +87,7 @@ def test_it_is_the_comparison_of_all_trips_together(
     found = pool_comparison(outcome, job, failures={}, skipped={})
     assert comparison_document(found) == comparison_document(wanted)
     assert found.counts == wanted.counts
-    assert found.failures == {SHORT: "its longest part has 2 samples, a window needs 10"}
+    assert found.failures == {SHORT: "its longest part has 2 samples, a window needs 10: record longer"}
     assert len(corpus.partitions) == 1 or partitions > 1
 
 
@@ -190,10 +191,13 @@ def test_an_interrupt_ends_with_130_and_one_line_and_the_next_run_goes_on(
         text=True,
         check=False,
     )
-    assert (found.returncode, found.stderr) == (INTERRUPTED, "modelcast: interrupted\n")
     assert not (tmp_path / "out").exists()
-    done = list((tmp_path / "out.unfinished" / "parts").glob("[0-9]*/done.json"))
-    assert len(done) == 1
+    # The other worker may have written a part too, before it was ended.
+    done = len(list((tmp_path / "out.unfinished" / "parts").glob("[0-9]*/done.json")))
+    assert 1 <= done <= 2
+    kept = "1 partition is kept" if done == 1 else f"{done} partitions are kept"
+    line = f"modelcast: interrupted; {kept}: the same command goes on from there\n"
+    assert (found.returncode, found.stderr) == (INTERRUPTED, line)
     assert run([*words, "--jobs", "1"]) == PARTLY_FAILED
     assert (tmp_path / "out" / "summary.json").exists()
     assert not (tmp_path / "out.unfinished").exists()

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 INSTALLED = importlib.util.find_spec("libsumo") is not None and importlib.util.find_spec("sumo") is not None
-pytestmark = pytest.mark.skipif(not INSTALLED, reason="needs SUMO: pip install 'modelcast[sumo]'")
+pytestmark = pytest.mark.skipif(not INSTALLED, reason="needs SUMO: pip install eclipse-sumo libsumo")
 
 Python = Callable[..., "subprocess.CompletedProcess[str]"]
 

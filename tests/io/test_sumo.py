@@ -14,7 +14,7 @@ from modelcast.io.sumo_roads import SumoInput, grid_input, highway_input, juncti
 from modelcast.world.scenario.base import STEP_S
 
 INSTALLED = importlib.util.find_spec("libsumo") is not None and importlib.util.find_spec("sumo") is not None
-needs_sumo = pytest.mark.skipif(not INSTALLED, reason="needs SUMO: pip install 'modelcast[sumo]'")
+needs_sumo = pytest.mark.skipif(not INSTALLED, reason="needs SUMO: pip install eclipse-sumo libsumo")
 
 INPUTS = {
     "highway": lambda at: highway_input(at, length_m=900.0, density_per_km=60.0),

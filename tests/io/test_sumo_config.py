@@ -17,7 +17,7 @@ from modelcast.world.scenario.base import STEP_S
 from modelcast.world.scenario.motion import checked
 
 INSTALLED = importlib.util.find_spec("libsumo") is not None and importlib.util.find_spec("sumo") is not None
-needs_sumo = pytest.mark.skipif(not INSTALLED, reason="needs SUMO: pip install 'modelcast[sumo]'")
+needs_sumo = pytest.mark.skipif(not INSTALLED, reason="needs SUMO: pip install eclipse-sumo libsumo")
 
 NOT_WRITTEN = frozenset(
     {

@@ -127,18 +127,31 @@ def test_a_descent_out_of_range_is_refused(wrong: dict[str, object]) -> None:
         replace(SHORT, **wrong)
 
 
-def test_a_profile_chooses_its_bank_by_messages_and_records_how(trips: list[Trajectory]) -> None:
+PROCESSES = {"gp-vehicle", "gp-derivative", "gp-trained", "gp-regime-1", "gp-regime-2"}
+NETWORKS = {"free", "free-predictive", "learned"}
+
+
+@pytest.mark.parametrize(
+    ("steps", "also", "trained"),
+    [
+        (10, ("learned",), NETWORKS),
+        pytest.param(400, ("learned", "processes"), NETWORKS | PROCESSES, marks=pytest.mark.slow),
+    ],
+)
+def test_a_profile_chooses_its_bank_by_messages_and_records_how(
+    trips: list[Trajectory], steps: int, also: tuple[str, ...], trained: set[str]
+) -> None:
     settings = ProfileSettings(
-        CLEAN,
+        replace(CLEAN, descent=replace(SHORT, steps=steps)),
         free=FREE,
         processes=QUICK,
-        also=("learned", "processes"),
+        also=also,
         thresholds_m=(0.2, 0.5),
         validate=True,
     )
     apart = [
         replace(trip, trip_id=f"file{at}/1", origin=None, start_unix_s=None) for at, trip in enumerate(trips)
-    ]
+    ][: 3 if "processes" in also else 2]
     profile = train_profile(apart, settings)
     figures = profile.record["figures"]
     assert "dates" not in profile.record
@@ -150,21 +163,11 @@ def test_a_profile_chooses_its_bank_by_messages_and_records_how(trips: list[Traj
     assert totals["bank"] <= 1.02 * min(singles.values())
     assert totals["baseline"] == totals["cv"]
     assert profile.bank.window == 1
-    trained = {
-        "free",
-        "free-predictive",
-        "learned",
-        "gp-vehicle",
-        "gp-derivative",
-        "gp-trained",
-        "gp-regime-1",
-        "gp-regime-2",
-    }
     assert {member.name for member in profile.sub_models} >= trained
-    assert set(totals) >= {*trained, "regimes", "bank", "baseline"}
-    assert profile.regimes is not None
-    assert profile.regimes.bank.name == "regimes"
-    assert set(profile.record["processes"]) == {name for name in trained if name.startswith("gp-")}
+    assert set(totals) >= {*trained, "bank", "baseline"}
+    assert ("regimes" in totals) == ("processes" in also)
+    assert profile.regimes is None if "processes" not in also else profile.regimes.bank.name == "regimes"
+    assert set(profile.record["processes"] or {}) == {name for name in trained if name.startswith("gp-")}
     assert profile_from_text(profile.text) == profile
     assert [one["trip"] for one in profile.record["trips"]] == [trip.trip_id for trip in apart]
 

@@ -1,9 +1,9 @@
 """Claims about the loss that the networks of sub-models are trained on."""
 
+from functools import partial
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -15,18 +15,23 @@ STEPS_S = np.full(40, 0.1)
 KNOWN = np.ones((1, 40))
 
 
+@partial(jax.jit, static_argnames="softness")
+def compiled_cost(off_m: Any, known: Any, *, softness: float) -> Any:
+    return survival_cost(off_m, known, STEPS_S, thresholds_m=(0.2, 0.5), softness=softness)
+
+
 def cost(off_m: FloatArray, softness: float, known: FloatArray = KNOWN) -> float:
-    return float(
-        survival_cost(off_m, jnp.asarray(known), STEPS_S, thresholds_m=(0.2, 0.5), softness=softness)
-    )
+    return float(compiled_cost(off_m, known, softness=softness))
+
+
+@partial(jax.jit, static_argnames="softness")
+def compiled_slopes(off_m: Any, *, softness: float) -> Any:
+    grad: Any = jax.grad
+    return grad(partial(compiled_cost, softness=softness))(off_m, KNOWN)
 
 
 def slopes(off_m: FloatArray, softness: float) -> FloatArray:
-    def of(off: Any) -> Any:
-        return survival_cost(off, KNOWN, STEPS_S, thresholds_m=(0.2, 0.5), softness=softness)
-
-    grad: Any = jax.grad
-    return np.asarray(grad(of)(jnp.asarray(off_m)), dtype=np.float64)
+    return np.asarray(compiled_slopes(off_m, softness=softness), dtype=np.float64)
 
 
 def test_a_sharp_step_counts_the_time_until_the_threshold_is_crossed() -> None:

@@ -1,4 +1,4 @@
-"""User code that must type-check under pyright strict; it is not run."""
+"""User code that must type-check under pyright strict and mypy; it is not run."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -96,7 +96,8 @@ def compare_files(paths: list[Path]) -> float | None:
     result = compare(paths, candidates, CompareSettings(against="mine"), progress=show)
     assert_type(result.ratios, pl.DataFrame)
     assert_type(result.result.ratios[0].message_ratio, Any)
-    return result.result.tracking[0].p90_low
+    low_m: float | None = result.result.tracking[0].p90_low
+    return low_m
 
 
 def make_trips() -> list[Trajectory | SensedTrip]:

@@ -1,7 +1,7 @@
 """A Sphinx extension: what screen readers cannot say of Sphinx's pages is written otherwise.
 
-The parameters of a long signature are definitions without a term; here they are lines. An empty cell in a table's
-head is a heading without words; here it is a cell.
+The parameters of a long signature are definitions without a term; here they are lines. An empty cell in a
+table's head is a heading without words; here it is a cell.
 """
 
 import re

@@ -23,13 +23,15 @@ _HERE = Path(__file__).resolve().parent
 ROOT = _HERE.parents[1]
 
 
-def build(folder: Path) -> None:
+def build(folder: Path, base: str) -> None:
     """Build the site.
 
     Parameters
     ----------
     folder
         Where it goes; what is there is deleted. Its sources are beside it.
+    base
+        Path that it will have on its host, from ``/`` to ``/``; only the page for what is not found needs it.
 
     Raises
     ------
@@ -44,7 +46,7 @@ def build(folder: Path) -> None:
     pages = [FRONT_PAGE, *(page.path for section in sections for page in section.pages)]
     write_sources(ROOT, sources, pages, {FRONT_PAGE: front})
     write_sections(sources, sections)
-    os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
+    os.environ.update(SOURCE_DATE_EPOCH="0", SITE_BASE=base)
     words = ["-q", "-W", "--keep-going", "-j", "auto", "-c", str(_HERE), "-b", "html"]
     if sphinx([*words, "-d", str(sources / "_build"), str(sources), str(folder)]):
         raise SiteError("Sphinx told of problems; they stand above")
@@ -61,10 +63,12 @@ def main() -> int:
     """Build the site; return 1 and tell where something is wrong."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "site", help="folder of the site")
-    out: Path = parser.parse_args().out.resolve()
+    parser.add_argument("--base", default="/", help="path of the site on its host, as /modelcast/")
+    asked = parser.parse_args()
+    out: Path = asked.out.resolve()
     began_s = time.perf_counter()
     try:
-        build(out)
+        build(out, asked.base)
     except SiteError as problem:
         print(problem, file=sys.stderr)
         return 1

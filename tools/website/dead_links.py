@@ -26,7 +26,7 @@ class _Read(HTMLParser):
         for name, value in attrs:
             if value and name == "id":
                 self.places.add(value)
-            if value and name in {"href", "src"}:
+            if value and name in {"href", "src"} and tag != "base":
                 self.addresses.append((tag, value))
 
 

@@ -3,7 +3,7 @@
 import enum
 import inspect
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, cast
 
 from numpydoc.validate import validate  # pyright: ignore[reportUnknownVariableType] - it has no types
 
@@ -25,7 +25,7 @@ def docstring_faults() -> list[str]:
     return [
         f"{address}: {told}"
         for address, elsewhere in _described(modelcast.__dict__["_HOMES"])
-        for code, told in validate(address)["errors"]
+        for code, told in cast("list[tuple[str, str]]", validate(address)["errors"])
         if code in _FAULTS and not (elsewhere and code == _UNDESCRIBED)
     ]
 

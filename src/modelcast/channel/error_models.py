@@ -14,9 +14,9 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Self
 
 import numpy as np
-from scipy import special
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.scientific import scientific
 
 __all__ = [
     "HAZARD_MIN_DB",
@@ -176,6 +176,7 @@ class NistErrorModel(AbstractErrorModel):
         else:
             scale = (1.0 - 1.0 / side) / np.log2(side)
             argument = np.sqrt(1.5 * snr / (side**2 - 1.0))
+        special = scientific("special", "802.11p")
         raw = scale * np.asarray(special.erfc(argument), dtype=np.float64)
         distance = np.sqrt(4.0 * raw * (1.0 - raw))
         first, step, branches, weights = next(

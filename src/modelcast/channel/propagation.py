@@ -7,13 +7,13 @@ once, so that a compiled loop needs no object and no logarithm for a link.
 from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
-from scipy import special
 
 from modelcast.channel import propagation_kernels as kernels
 from modelcast.channel.path_loss import NEAREST_M, AbstractPathLoss, ManhattanNlos, WinnerB1
 from modelcast.channel.propagation_kernels import PropagationTables
 from modelcast.channel.random_kernels import CELLS
 from modelcast.core.arrays import BoolArray, FloatArray
+from modelcast.core.scientific import scientific
 
 __all__ = ["NakagamiFading", "Propagation", "RaisedAntennas", "Shadowing", "StreetGrid"]
 
@@ -128,6 +128,7 @@ class NakagamiFading:
 
 
 def _gamma_cells(shape: float) -> FloatArray:
+    special = scientific("special", "fading")
     edges = np.asarray(special.gammaincinv(shape, np.arange(CELLS + 1) / CELLS), dtype=np.float64)
     partial = np.asarray(
         special.gammainc(shape + 1.0, edges), dtype=np.float64
@@ -136,6 +137,7 @@ def _gamma_cells(shape: float) -> FloatArray:
 
 
 def _normal_cells() -> FloatArray:
+    special = scientific("special", "shadowing")
     edges = np.asarray(special.ndtri(np.arange(CELLS + 1) / CELLS), dtype=np.float64)
     density = np.asarray(np.exp(-0.5 * edges**2) / np.sqrt(2.0 * np.pi), dtype=np.float64)
     means = -np.diff(density) * CELLS

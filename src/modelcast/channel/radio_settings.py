@@ -6,15 +6,15 @@ and each kind has fields of its own. So a radio with a new field has a new key, 
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field, fields, is_dataclass, replace
-from difflib import get_close_matches
 from types import MappingProxyType, NoneType, UnionType
 from typing import Any, Literal, NamedTuple, Union, cast, get_args, get_origin, get_type_hints
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.near_names import listed, near
 
-__all__ = ["Family", "Kind", "RadioForm", "Setting", "listed", "near", "shown", "simple_fields"]
+__all__ = ["Family", "Kind", "RadioForm", "Setting", "shown", "simple_fields"]
 
 _PLAIN = (bool, int, float, str, NoneType)
 _NONE = "none"
@@ -253,42 +253,6 @@ class Family:
         return _with_settings(
             base, {settings[key]: settings[key].checked(given[key]) for key in settings.keys() & given.keys()}
         )
-
-
-def listed(names: Iterable[str]) -> str:
-    """Names in a sentence.
-
-    Parameters
-    ----------
-    names
-        At least one.
-
-    Examples
-    --------
-    >>> listed(["one", "two", "three"])
-    'one, two or three'
-    """
-    *first, last = names
-    return f"{', '.join(first)} or {last}" if first else last
-
-
-def near(name: str, known: Iterable[str]) -> str:
-    """A question for the name that was meant, where one is near; else nothing.
-
-    Parameters
-    ----------
-    name
-        What was given.
-    known
-        What there is.
-
-    Examples
-    --------
-    >>> near("gian", ["gain", "loss"])
-    ' (is gain meant?)'
-    """
-    close = get_close_matches(name, list(known), n=3, cutoff=0.6)
-    return f" (is {listed(close)} meant?)" if close else ""
 
 
 @dataclass(frozen=True, slots=True)

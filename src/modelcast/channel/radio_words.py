@@ -11,10 +11,11 @@ from modelcast.channel.propagation import Propagation
 from modelcast.channel.radio import AbstractRadio
 from modelcast.channel.radio_parts import radio_form
 from modelcast.channel.radio_presets import PRESETS
-from modelcast.channel.radio_settings import RadioForm, listed, near, shown
+from modelcast.channel.radio_settings import RadioForm, shown
 from modelcast.channel.registry import RADIOS
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.named_settings import named_settings
+from modelcast.core.near_names import listed, near
 
 __all__ = ["RadioKey", "get_radio", "radio_keys"]
 

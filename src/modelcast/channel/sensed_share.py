@@ -1,10 +1,10 @@
 """The share of frames that a vehicle senses: those above a bound of power, over shadowing and fading."""
 
 import numpy as np
-from scipy import special
 
 from modelcast.channel.propagation import Propagation
 from modelcast.core.arrays import FloatArray
+from modelcast.core.scientific import scientific
 
 __all__ = ["MARGIN_DB", "sensed_shares"]
 
@@ -51,6 +51,7 @@ def sensed_shares(propagation: Propagation) -> FloatArray:
             if fading is not None:
                 shares[sight, near] = _faded(margin_db, sigma_db, fading.shapes[near])
             elif sigma_db > 0:
+                special = scientific("special", "shadowing")
                 shares[sight, near] = special.ndtr(margin_db / sigma_db)
             else:
                 shares[sight, near] = margin_db >= 0.0
@@ -61,5 +62,6 @@ def _faded(margin_db: FloatArray, sigma_db: float, shape: float) -> FloatArray:
     """Shares at margins under both, (K,)."""
     nodes, weights = np.polynomial.hermite_e.hermegauss(_NODES)
     needed = 10.0 ** (-0.1 * (margin_db[:, None] + sigma_db * nodes))
+    special = scientific("special", "fading")
     above: FloatArray = np.asarray(special.gammaincc(shape, shape * needed), dtype=np.float64)
     return above @ (weights / weights.sum())

@@ -2,56 +2,42 @@
 
 Exit codes: 0 done; 1 internal error (of doctor: something is broken; of replay: something differs); 2 usage,
 bad input or no usable trip; 3 some trips failed, the rest is complete; 130 interrupted; 141 whoever read the
-output stopped reading.
+output stopped reading; 143 ended by SIGTERM.
 """
 
+import errno
 import os
+import signal
 import sys
 import warnings
 from collections.abc import Generator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, Group
 
-from modelcast.cli.terminal import complain, refused
+from modelcast.cli.command_list import COMMAND_GROUPS, COMMANDS, FIRST_STEPS, list_commands
+from modelcast.cli.signals import INTERRUPTED, TERMINATED, Terminated, heeded, taken
+from modelcast.cli.terminal import complain, say
+from modelcast.cli.usage import usage_problem
 from modelcast.core.exceptions import ModelcastError, ModelcastWarning
 
-__all__ = ["BROKEN_PIPE", "COMMANDS", "INTERRUPTED", "USAGE", "run"]
+__all__ = ["BROKEN_PIPE", "USAGE", "app", "run"]
+
+_REMEDIES = {
+    errno.ENOENT: ". Check the path.",
+    errno.EACCES: ". Name a place that you may read and write.",
+    errno.ENOSPC: ". Make room, or name another place; nothing was kept.",
+    errno.EROFS: ". Name another place.",
+    errno.EADDRINUSE: ". Another program listens there: end it, or name another port.",
+}
+"""What to do, by what the operating system refused."""
 
 USAGE = 2
-INTERRUPTED = 130
 BROKEN_PIPE = 141
 
-COMMANDS = (
-    "demo",
-    "evaluate",
-    "compare",
-    "reproduce",
-    "trips",
-    "convert",
-    "ingest",
-    "coverage",
-    "network",
-    "safety",
-    "cruise",
-    "capacity",
-    "mixed",
-    "train",
-    "profile",
-    "road",
-    "decode",
-    "encode",
-    "node",
-    "serve",
-    "prepare",
-    "credentials",
-    "demo-live",
-    "view",
-    "replay",
-    "doctor",
-)
-"""Names of the commands; each is what has that name in the module of that name, imported when used."""
+_ATTENDED = frozenset(COMMANDS) - {"node", "serve", "demo-live", "view", "replay", "decode", "encode"}
+"""Those whose progress is shown from beginning to end; the others run on, or are done at once."""
 
 
 def _version() -> str:
@@ -65,14 +51,21 @@ app = App(
     help="Model-based communication for V2X: message rates and tracking on real trips.",
     version=_version,
     exit_on_error=False,
-    print_error=True,
-    error_formatter=refused,
+    print_error=False,
     result_action="return_value",
     suppress_keyboard_interrupt=False,
 )
-for _name in COMMANDS:
-    _module = _name.replace("-", "_")
-    app.command(f"modelcast.cli.{_module}:{_module}", name=_name)
+_OTHERS = Group("Options", sort_key=len(COMMAND_GROUPS))
+for _place, (_title, _lines) in enumerate(COMMAND_GROUPS.items()):
+    _group = Group(_title, sort_key=_place, help_formatter=list_commands)
+    for _order, _name in enumerate(_lines):
+        _module = _name.replace("-", "_")
+        app.command(f"modelcast.cli.{_module}:{_module}", name=_name, group=_group, sort_key=_order)
+app.register_install_completion_command(
+    help="Complete commands and options in this shell by the tab key.", group=_OTHERS
+)
+for _flag in (*app.help_flags, *app.version_flags):
+    app[_flag].group = _OTHERS
 
 
 def run(arguments: Sequence[str]) -> int:
@@ -83,13 +76,25 @@ def run(arguments: Sequence[str]) -> int:
     arguments
         The words after ``modelcast``.
     """
+    if not arguments:
+        for line in FIRST_STEPS.splitlines():
+            say(line)
+        return 0
     try:
-        with _warnings_told():
+        code = _run(arguments)
+    except KeyboardInterrupt as error:
+        return _interrupted(error)
+    return code if taken() is None else _interrupted(None)
+
+
+def _run(arguments: Sequence[str]) -> int:
+    """Run one command; an interrupt gets out."""
+    try:
+        with _warnings_told(), _attended(arguments):
             code = app(list(arguments))
         sys.stdout.flush()
-    except CycloptsError:  # already shown, with the usage
-        if "-" in arguments:
-            complain("only decode and encode read the standard input: write it into a file and name that")
+    except CycloptsError as error:
+        complain(usage_problem(error, arguments))
         return USAGE
     except (BrokenPipeError, SystemExit) as error:
         # rich leaves with SystemExit where nobody reads what it prints.
@@ -98,12 +103,20 @@ def run(arguments: Sequence[str]) -> int:
         return _stop_printing()
     except (ModelcastError, OSError) as error:
         # Readers name their files themselves: what is left of OSError is a place that cannot be written.
-        complain(_place_and_reason(error) if isinstance(error, OSError) else error)
+        if taken() is None:  # else a library has made this of an interrupt
+            complain(_place_and_reason(error) if isinstance(error, OSError) else error)
         return USAGE
-    except KeyboardInterrupt:
-        complain("interrupted")
-        return INTERRUPTED
     return code if isinstance(code, int) else 0
+
+
+def _interrupted(error: BaseException | None) -> int:
+    """Say that the command was interrupted, and what is left of its work: the notes of the exception."""
+    heeded()
+    terminated = isinstance(error, Terminated) or taken() == signal.SIGTERM
+    complain(
+        "; ".join(("ended by SIGTERM" if terminated else "interrupted", *getattr(error, "__notes__", ())))
+    )
+    return TERMINATED if terminated else INTERRUPTED
 
 
 @contextmanager
@@ -124,8 +137,18 @@ def _warnings_told() -> Generator[None]:
         warnings.showwarning = shown
 
 
+def _attended(arguments: Sequence[str]) -> AbstractContextManager[None]:
+    """Show progress, where there is a command at work."""
+    if not arguments or arguments[0] not in _ATTENDED or {"--help", "-h"} & set(arguments):
+        return nullcontext()
+    from modelcast.cli.board import attended
+
+    return attended(quiet="--quiet" in arguments)
+
+
 def _place_and_reason(error: OSError) -> str:
-    return f"{error.filename or 'a file'}: {error.strerror or error}"
+    remedy = _REMEDIES.get(error.errno or 0, "")
+    return f"{error.filename or 'a file'}: {error.strerror or error}{remedy}"
 
 
 def _stop_printing() -> int:

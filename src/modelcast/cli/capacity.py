@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from modelcast.cli.options import Numbers, SensorOptions, Words
+from modelcast.cli.options import Count, Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
 from modelcast.station.policy.rules import BelieveRule
 
@@ -22,8 +22,8 @@ def capacity(
     scenario: str = "highway",
     duration: float = 12.0,
     warm_up: float = 6.0,
-    seeds: int = 2,
-    seed: int = 0,
+    seeds: Count = 2,
+    seed: Count = 0,
     length: float = 3000.0,
     margin: float | None = None,
     lanes: int = 0,
@@ -42,6 +42,8 @@ def capacity(
     quiet: bool = False,
 ) -> int:
     """Find the vehicles a kilometre up to which limits hold: p99 of errors, or missed warnings.
+
+    For example: `modelcast capacity --policy j2945 j2945-mbc`
 
     Each radio, policy, threshold and limit has a bisection of its own; densities that are run for one limit
     serve the others. Errors are those of pairs 50 m to 150 m apart, of which 95 % must be tracked. Writes
@@ -144,8 +146,8 @@ def capacity(
         plan, tuple(radio), tuple(policy), limits,
         bounds_per_km=(lowest, highest), ratio=ratio, seeds=seeds,
     )  # fmt: skip
-    with counted("runs", quiet=quiet or json) as progress:
-        found = search(asked, out, jobs=jobs_in_use(jobs), progress=progress)
+    with counted("runs", quiet=quiet) as progress:
+        found = search(asked, out, jobs=jobs_in_use(jobs), progress=lambda done: progress(done, None))
     if json:
         say_json(capacity_document(found, asked.as_plain()))
     elif not quiet:

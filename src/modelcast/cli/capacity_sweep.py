@@ -6,6 +6,7 @@ from pathlib import Path
 
 from modelcast.cli.capacity_search import CapacitySearch
 from modelcast.cli.network_case import run_case
+from modelcast.cli.progress import busy
 from modelcast.cli.shared_work import Workers, workers
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.capacity import write_capacity
@@ -19,7 +20,7 @@ from modelcast.study.network.rows import CaseResult, NetworkCase
 
 __all__ = ["search"]
 
-Progress = Callable[[int, int], None]
+Progress = Callable[[int], None]
 
 
 def search(asked: CapacitySearch, out: Path, *, jobs: int, progress: Progress) -> list[CapacityFound]:
@@ -57,8 +58,9 @@ def search(asked: CapacitySearch, out: Path, *, jobs: int, progress: Progress) -
         if plan.key(radios=asked.radios, policies=asked.policies) != key:
             raise ConfigError("an input changed while it was read: run the command again")
         store.publish(runs.done, folder)
-        write_capacity(found, asked.as_plain(), folder)
-        write_capacity_report(found, folder)
+        with busy("writing the report", quiet=False):
+            write_capacity(found, asked.as_plain(), folder)
+            write_capacity_report(found, folder)
     return found
 
 
@@ -83,7 +85,7 @@ class _Runs:
         for case, result in pool.as_done(partial(run_case, self._asked.plan), missing):
             store.keep(case, result)
             self.done[case] = result
-            self._progress(len(self.done), len(self.done) + 1)
+            self._progress(len(self.done))
         return [self.done[case] for case in cases]
 
 

@@ -23,6 +23,8 @@ def compare(
 ) -> int:
     """Compare banks and rules on the same trips: messages, bytes and tracking error at equal rate.
 
+    For example: `modelcast compare drive.csv --bank cv free default`
+
     Writes summary.json, table.md, the figure comparison as PNG, SVG and PDF, messages.parquet,
     tracking.parquet and run.json.
 
@@ -85,7 +87,7 @@ def compare(
             training_trips=known,
             foreign=options.foreign,
         )
-        with busy("writing the report", quiet=silent):
+        with busy("writing the report", quiet=quiet):
             write_comparison(result, folder)
             write_comparison_report(result, folder)
     if json:

@@ -76,6 +76,12 @@ def corpus_parts(
                 complain(f"partition {name} is left out: {reason}")
             yield outcome
             whole = not outcome.failures
+        except KeyboardInterrupt as error:
+            kept = sum(1 for _ in (results / PARTS_FOLDER).glob(f"*/{DONE_FILE}"))
+            if kept:
+                parts = "1 partition is" if kept == 1 else f"{kept} partitions are"
+                error.add_note(f"{parts} kept: the same command goes on from there")
+            raise
         finally:
             if whole or not any((results / PARTS_FOLDER).glob(f"*/{DONE_FILE}")):
                 shutil.rmtree(results, ignore_errors=True)

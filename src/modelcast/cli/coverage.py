@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Count, Format
 
 if TYPE_CHECKING:
     from modelcast.cli.reading import TripSource
@@ -26,7 +26,7 @@ def coverage(
     trusted_horizon: float = 0.0,
     protocol: Literal["auto", "recorded", "sensor"] = "auto",
     threshold: Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")] = (0.2, 0.5),
-    seed: int = 0,
+    seed: Count = 0,
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
@@ -34,6 +34,8 @@ def coverage(
     quiet: bool = False,
 ) -> int:
     """Calibrate each sub-model's covariance, and count errors of other trips inside its ellipses.
+
+    For example: `modelcast coverage monday.csv tuesday.csv`
 
     Every file is tested with what the other files taught, or all with what --train taught. A bank that starts
     in hindsight, as default and regimes do, is counted as a hybrid too. Writes coverage.json and
@@ -112,7 +114,7 @@ def coverage(
         with atomic_folder(out, command="coverage", shown=f"--out {out}") as folder:
             groups = _cases(tested, settings, quiet=quiet or json)
             training = _cases(taught, settings, quiet=quiet or json) if train else {}
-            with counted("trips", quiet=quiet or json) as progress:
+            with counted("trips", quiet=quiet) as progress:
                 result = measure_coverage(
                     groups,
                     members,
@@ -133,7 +135,7 @@ def coverage(
             )
             path = write_coverage(document, folder)
             text = path.read_text(encoding="utf-8")
-            with busy("drawing", quiet=quiet or json):
+            with busy("drawing", quiet=quiet):
                 write_coverage_figures(result, folder)
     except ValueError as error:
         raise ConfigError(str(error)) from error
@@ -162,5 +164,5 @@ def _cases(
         for one in trips:
             groups.setdefault(one.trip_id.partition("/")[0], []).append(make_case(one, settings))
     if not groups:
-        raise ConfigError("; ".join(("no usable trip", *source.skipped_lines())))
+        raise ConfigError("no usable trip")
     return groups

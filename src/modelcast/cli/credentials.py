@@ -20,6 +20,8 @@ def credentials(
 ) -> int:
     """Make credentials of a node, or show what is in a folder of them.
 
+    For example: `modelcast credentials new keys --count 20`
+
     These serve to try signatures among machines of one's own: nobody is enrolled, and nothing is revoked.
 
     Parameters

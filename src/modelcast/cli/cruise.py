@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from modelcast.cli.options import Columns, Format, Numbers, Words
+from modelcast.cli.options import Columns, Count, Format, Numbers, Words
 
 if TYPE_CHECKING:
     from modelcast.apps.cruise.base import AbstractCruiseLaw
@@ -32,8 +32,8 @@ def cruise(
     loss: Numbers = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9),
     burst: Numbers = (0.0,),
     vehicles: int = 8,
-    seeds: int = 8,
-    seed: int = 0,
+    seeds: Count = 8,
+    seed: Count = 0,
     duration: float = 60.0,
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
@@ -42,6 +42,8 @@ def cruise(
     quiet: bool = False,
 ) -> int:
     """Drive platoons by cooperative adaptive cruise control, in a closed loop with what they hear.
+
+    For example: `modelcast cruise --leader braking --loss 0 0.4`
 
     What followers believe of the vehicle ahead and of the leader drives them, and what they drive is what
     they say next. Counts how a disturbance grows along the platoon, the least gap, collisions, comfort,
@@ -151,13 +153,13 @@ def cruise(
             seed=seed,
         )
         with atomic_folder(out, command="cruise", shown=f"--out {out}") as folder:
-            with counted("runs", quiet=quiet or json) as progress:
+            with counted("runs", quiet=quiet) as progress:
                 result = run_cruise(settings, bank=named, progress=progress)
             summary, _ = write_cruise(result, folder, options=options)
             text = summary.read_text(encoding="utf-8")
             lines = "\n".join(cruise_lines(result.rows))
             (folder / "table.md").write_text(lines + "\n", encoding="utf-8", newline="\n")
-            with busy("drawing", quiet=quiet or json), style():
+            with busy("drawing", quiet=quiet), style():
                 write_drawings([drawn("cruise", plot_cruise(result))], folder)
     except ValueError as error:
         raise ConfigError(str(error)) from error

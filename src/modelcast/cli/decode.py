@@ -15,6 +15,8 @@ __all__ = ["decode"]
 def decode(source: Source, *, json: bool = False, profile: Path | None = None) -> int:
     """Show the fields of encoded messages with their units: vehicles, people, models, identifications.
 
+    For example: `modelcast decode message.hex`
+
     Parameters
     ----------
     source

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.cli.options import Count
 
 __all__ = ["demo"]
 
@@ -11,11 +12,13 @@ def demo(
     *,
     out: Path = Path("out/demo"),
     duration: float = 240.0,
-    seed: int = 0,
+    seed: Count = 0,
     trips: Path | None = None,
     quiet: bool = False,
 ) -> int:
     """Evaluate a generated drive, with GPS and CAN as a sender sees them: no data needed.
+
+    For example: `modelcast demo --out out/demo`
 
     With --trips: evaluate nothing, and write six drives as CSV files instead, to try other commands on.
 

@@ -24,6 +24,8 @@ def demo_live(
 ) -> int:
     """Run four nodes on the loopback interface: a platoon of three whose leader brakes, and one that crosses.
 
+    For example: `modelcast demo-live --duration 60`
+
     Everything is real but the drives: sockets, octets, clocks, maps. The page shows what the last of the
     platoon believes. A line every two seconds says the same, and how far it is from where the others are.
 

@@ -12,7 +12,7 @@ from typing import Any, cast
 
 from modelcast.cli.installation import InstalledPackage, extra_packages, required_packages
 from modelcast.cli.kernel_cache import kernel_cache
-from modelcast.core.extras import EXTRAS
+from modelcast.core.extras import EXTRAS, install_command
 from modelcast.core.version import package_version
 
 __all__ = ["Problem", "diagnose"]
@@ -70,6 +70,7 @@ def diagnose() -> tuple[dict[str, Any], list[Problem]]:
                 "installed": {one.name: one.installed for one in packages},
                 "present": not any(one.problem for one in packages),
                 "needed_by": EXTRAS[name].needed_by,
+                "install": install_command(one.name for one in packages if one.problem),
             }
             for name, packages in extras.items()
         },
@@ -92,7 +93,7 @@ def _package_problems(required: Sequence[InstalledPackage]) -> list[Problem]:
     if not required:
         return [Problem("modelcast is not installed", "install it: pip install . in its folder")]
     return [
-        Problem(f"{one.name} {one.problem}", f"pip install --upgrade '{one.name}>={one.least}'")
+        Problem(f"{one.name} {one.problem}", install_command([_enough(one)], upgrade=True))
         for one in required
         if one.problem
     ]
@@ -100,11 +101,16 @@ def _package_problems(required: Sequence[InstalledPackage]) -> list[Problem]:
 
 def _extra_problems(extras: Any) -> list[Problem]:
     return [
-        Problem(f"{one.name} (extra {name}) {one.problem}", f"pip install --upgrade 'modelcast[{name}]'")
+        Problem(f"{one.name} (extra {name}) {one.problem}", install_command([_enough(one)], upgrade=True))
         for name, packages in extras
         for one in packages
         if one.installed is not None and one.problem
     ]
+
+
+def _enough(package: InstalledPackage) -> str:
+    """The package in a version that is enough, as a requirement."""
+    return f"{package.name}>={package.least}" if package.least else package.name
 
 
 def _brought() -> tuple[list[dict[str, str]], list[Problem]]:
@@ -154,7 +160,7 @@ def _profile_problems() -> list[Problem]:
         return [
             Problem(
                 f"the profile that ships with modelcast cannot be read: {error}",
-                "pip install --force-reinstall --no-deps modelcast",
+                "install modelcast anew: pip install --force-reinstall --no-deps . in its folder",
             )
         ]
     return []

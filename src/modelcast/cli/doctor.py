@@ -9,6 +9,8 @@ __all__ = ["doctor"]
 def doctor(*, json: bool = False) -> int:
     """Show versions, processor, compiled code, extras, what other packages bring, and what is broken.
 
+    For example: `modelcast doctor`
+
     Ends with code 0 where all is well, with 1 where something is broken; its remedy is shown.
 
     Parameters
@@ -49,7 +51,7 @@ def _lines(document: Mapping[str, Any]) -> list[tuple[str, str]]:
         state = "writable" if cache["writable"] else "cannot be written to"
         lines.append(("cache", f"{cache['place']}, {cache['size_bytes'] / 1e6:.1f} MB, {state}"))
     for name, extra in document["extras"].items():
-        state = "present" if extra["present"] else f"missing: pip install 'modelcast[{name}]'"
+        state = "present" if extra["present"] else f"missing: {extra['install']}"
         lines.append((f"extra {name}", f"{state}; needed by {extra['needed_by']}"))
     lines += [
         (

@@ -19,6 +19,8 @@ def encode(
 ) -> int:
     """Print the octets of messages as hexadecimal digits, one message a line.
 
+    For example: `modelcast encode message.json`
+
     Parameters
     ----------
     source

@@ -25,6 +25,8 @@ def evaluate(
 ) -> int:
     """Run hybrid bank and baseline over recorded trips: message rates, tracking under loss, figures.
 
+    For example: `modelcast evaluate drive.csv --out out/mine --threshold 0.2 0.5`
+
     Writes summary.json, events.parquet, samples.parquet, report.html, figures/ and run.json. A corpus
     ('modelcast ingest'), named alone, is shared out among processes; its tables are in parts/. A run of one
     that was interrupted goes on where it stopped: give the same command again.

@@ -52,9 +52,9 @@ def run_evaluation(asked: EvaluationRun, out: Path, *, trace: Path | None, json:
     )
     with atomic_folder(out, command="evaluate", shown=f"--out {out}") as folder:
         with RecordFiles(folder) as records:
-            result = evaluate_source(source, settings, records, quiet=quiet or json)
+            result = evaluate_source(source, settings, records, quiet=quiet)
         record(asked, result, folder)
-        finish(result, folder, quiet=quiet or json)
+        finish(result, folder, quiet=quiet)
         if trace is not None:
             write_message_trace(folder, trace, policy=settings.sender)
     return tell(result, out, json=json, quiet=quiet)

@@ -29,6 +29,8 @@ def ingest(
 ) -> int:
     """Make a corpus: recorded trips of any number as Parquet files by vehicle, with a catalogue.
 
+    For example: `modelcast ingest recordings/ --out corpus`
+
     A run that was interrupted goes on where it stopped: give the same command again. A file that cannot be
     read is reported and gives no trips; the others do.
 
@@ -81,7 +83,7 @@ def ingest(
         rate_hz=rate,
         memory_bytes=executor.worker_bytes,
     )
-    with rated(quiet=quiet or json, under_way=lambda: rows_under_way(out)) as watch:
+    with rated(quiet=quiet, under_way=lambda: rows_under_way(out)) as watch:
         made = run(
             found, out, partitions=partitions, thresholds_m=thresholds_m, executor=executor, watch=watch
         )

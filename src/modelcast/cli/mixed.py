@@ -26,6 +26,8 @@ def mixed(
 ) -> int:
     """Run fleets in which some vehicles send by one policy and some by another, and read in three ways.
 
+    For example: `modelcast mixed --policy baseline mbc --penetration 0 50 100`
+
     A third of the vehicles each reads messages as legacy receivers do (constant velocity), as free ones (Part
     I by constant turn rate and acceleration), and by the models. Writes what 'modelcast network' writes, and
     pairings.parquet, penetration.parquet, pairings.md and the penetration map; with --application every host
@@ -89,7 +91,7 @@ def mixed(
         asked,
         out,
         jobs=jobs_in_use(jobs),
-        watch=lambda: counted("runs", quiet=quiet or json),
+        watch=lambda: counted("runs", quiet=quiet),
         say=unsaid if quiet or json else say,
     )
     if json:

@@ -38,6 +38,8 @@ def network(
 ) -> int:
     """Run fleets on a shared channel: traffic moves, senders decide, messages contend, receivers track.
 
+    For example: `modelcast network --density 25 100 --policy j2945 j2945-mbc`
+
     Writes runs/, summary.json, runs.parquet, distances.parquet, outcomes.parquet, seconds.parquet, table.md,
     report.html and its figures, and with --application the tables of warnings, all at once when the last run
     is done. Runs that are done are kept, also where the command was interrupted: it can be called again with
@@ -127,7 +129,7 @@ def network(
         asked,
         out,
         jobs=jobs_in_use(jobs),
-        watch=lambda: counted("runs", quiet=quiet or json),
+        watch=lambda: counted("runs", quiet=quiet),
         say=unsaid if quiet or json else say,
     )
     if json:
@@ -172,12 +174,16 @@ def unsaid(_line: str) -> None:
 
 def survey(plan: "NetworkPlan") -> "TrafficSurvey | None":
     """What the traffic's file holds, where it is one; of a configuration of SUMO, its first run."""
+    from modelcast.cli.progress import busy
+
     if plan.from_sumo_config:
         from modelcast.cli.network_traffic import sumo_survey
 
-        return sumo_survey(plan, plan.seed)
+        with busy("running SUMO once, to see its traffic", quiet=False):
+            return sumo_survey(plan, plan.seed)
     if not plan.from_file:
         return None
     from modelcast.io.fcd import survey_fcd
 
-    return survey_fcd(plan.scenario, people=plan.persons)
+    with busy("reading the traffic", quiet=False):
+        return survey_fcd(plan.scenario, people=plan.persons)

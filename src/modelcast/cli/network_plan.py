@@ -14,6 +14,7 @@ from modelcast.cli.options import SensorOptions
 from modelcast.cli.people_plan import PeoplePlan
 from modelcast.cli.roadside_plan import RoadsidePlan
 from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.core.near_names import near
 from modelcast.io.network_runs import RunKey
 from modelcast.io.sumo_config import SUMO_CONFIG
 from modelcast.messages.airtime import Stack
@@ -330,7 +331,10 @@ class NetworkPlan:
         """
         if self.from_file and not Path(self.scenario).is_file():
             named = ", ".join((*BUILT_IN, *SUMO, *RECORDED))
-            raise ConfigError(f"--scenario must be {named} or a file that exists, got {self.scenario!r}")
+            meant = near(self.scenario, (*BUILT_IN, *SUMO, *RECORDED))
+            raise ConfigError(
+                f"--scenario must be {named} or a file that exists, got {self.scenario!r}{meant}"
+            )
         if self.scenario in RECORDED and not self.trips:
             raise ConfigError(f"--scenario {self.scenario} needs recorded trips: --trips FILE...")
         if self.trips and self.scenario not in RECORDED:

@@ -15,6 +15,7 @@ from modelcast.cli.network_cases import told
 from modelcast.cli.network_film import find_meeting, write_film
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import named_banks
+from modelcast.cli.progress import busy
 from modelcast.cli.shared_work import workers
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.network import write_network
@@ -144,15 +145,16 @@ def sweep(
         if plan.key(radios=radios, policies=policies) != key:
             raise ConfigError("an input changed while it was read: run the command again")
         result = gather(results.values(), asked.senders, against=asked.against)
-        store.publish(results, folder)
-        write_network(result, options, folder, key=key, traffic=traffic, training_trips=known)
-        write_network_report(result, options, folder, traffic=traffic, notes=notes)
-        if meeting is not None:
-            write_film(plan, cases[0], meeting, folder)
-        rows = traffic_rows(result)
-        if rows:
-            write_traffic(rows, folder)
-            write_traffic_report(rows, folder)
+        with busy("writing the report", quiet=False):
+            store.publish(results, folder)
+            write_network(result, options, folder, key=key, traffic=traffic, training_trips=known)
+            write_network_report(result, options, folder, traffic=traffic, notes=notes)
+            if meeting is not None:
+                write_film(plan, cases[0], meeting, folder)
+            rows = traffic_rows(result)
+            if rows:
+                write_traffic(rows, folder)
+                write_traffic_report(rows, folder)
     return Swept(result, rows, options=options, key=key, traffic=traffic, training_trips=known)
 
 

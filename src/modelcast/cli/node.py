@@ -30,6 +30,8 @@ def node(
 ) -> int:
     """Run a station on the road: measure, send, hear, keep the map, warn.
 
+    For example: `modelcast node --gnss trip:drive.csv --dashboard`
+
     Frames go out as UDP multicast on this machine alone, unless the configuration says otherwise. What
     happens is written to the standard error, a line of JSON each. Ends by SIGTERM or Ctrl-C.
 
@@ -66,6 +68,7 @@ def node(
     from modelcast.cli.terminal import say
     from modelcast.core.exceptions import ConfigError
     from modelcast.node.config import NodeConfig, Station, read_config
+    from modelcast.node.inputs.opening import check_gnss_source
     from modelcast.node.journal import Journal
     from modelcast.node.live import LiveNode
 
@@ -82,6 +85,8 @@ def node(
         asked = replace(asked, page=replace(asked.page, port=port, on=True))
     sender = sender_of_config(asked)
     _check_credentials(asked)
+    if not asked.roadside.on:
+        check_gnss_source(asked.gnss.source)
     if check:
         say(f"{'the defaults' if config is None else config}: all is as it should be")
         return 0
@@ -157,17 +162,35 @@ async def _run(live: "LiveNode", duration_s: float) -> None:
 def stopped_by_signals(duration_s: float) -> "asyncio.Event":
     """What is set by SIGTERM, by Ctrl-C, or after a time; to be called in a running loop.
 
+    SIGTERM is how a service is stopped; Ctrl-C is noted, so that the command ends as interrupted.
+
     Parameters
     ----------
     duration_s
         The time [s]; 0 for none.
+
+    Raises
+    ------
+    ConfigError
+        On Windows, whose event loop watches neither signals nor datagram sockets as nodes need it.
     """
     import asyncio
     import signal
+    import sys
 
+    from modelcast.cli.signals import take
+    from modelcast.core.exceptions import ConfigError
+
+    if sys.platform == "win32":
+        raise ConfigError("nodes and servers run on Linux and macOS, not on Windows")
     stop, loop = asyncio.Event(), asyncio.get_running_loop()
-    for one in (signal.SIGTERM, signal.SIGINT):
-        loop.add_signal_handler(one, stop.set)
+
+    def interrupted() -> None:
+        take(signal.SIGINT)
+        stop.set()
+
+    loop.add_signal_handler(signal.SIGTERM, stop.set)
+    loop.add_signal_handler(signal.SIGINT, interrupted)
     if duration_s:
         loop.call_later(duration_s, stop.set)
     return stop

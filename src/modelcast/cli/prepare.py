@@ -16,6 +16,8 @@ __all__ = ["prepare", "rehearsed"]
 def prepare(config: Path | None = None) -> int:
     """Compile what a node runs and keep it, so that its first step is not late.
 
+    For example: `modelcast prepare`
+
     A node is rehearsed for a few seconds on a made-up clock and without sockets. Done once, it takes a minute
     or two; done again, some seconds. Where compiled code cannot be kept, that is an error: every start would
     take as long.
@@ -27,7 +29,7 @@ def prepare(config: Path | None = None) -> int:
     """
     from modelcast.cli.kernel_cache import kernel_cache
     from modelcast.cli.node import sender_of_config
-    from modelcast.cli.progress import watching
+    from modelcast.cli.progress import busy
     from modelcast.cli.terminal import say
     from modelcast.core.exceptions import ConfigError
     from modelcast.core.kernel import COMPILES
@@ -37,8 +39,8 @@ def prepare(config: Path | None = None) -> int:
     sender = sender_of_config(asked)
     if not COMPILES:
         raise ConfigError("nothing is compiled where NUMBA_DISABLE_JIT is set: unset it")
-    with watching("compiling") as announce:
-        met = rehearsed(asked, sender, announce=announce)
+    with busy("rehearsing a node", quiet=False):
+        met = rehearsed(asked, sender)
     cache = kernel_cache()
     if met.unkept:
         raise ConfigError(

@@ -6,12 +6,18 @@ from cyclopts import App
 
 __all__ = ["profile"]
 
-profile = App(name="profile", help="Show what a profile holds, or what has changed between two.")
+profile = App(
+    name="profile",
+    help="Show what a profile holds, or what has changed between two.\n\n"
+    "For example: `modelcast profile show mine.json`",
+)
 
 
 @profile.command
 def show(name: Path = Path("default"), /, *, json: bool = False) -> int:
     """Show a profile: its sub-models with their horizons and sizes on the wire, and its training record.
+
+    For example: `modelcast profile show mine.json`
 
     Parameters
     ----------
@@ -36,6 +42,8 @@ def show(name: Path = Path("default"), /, *, json: bool = False) -> int:
 @profile.command
 def diff(first: Path, second: Path, /, *, json: bool = False) -> int:
     """Show where two profiles differ: members, their numbers, rules, calibrations, training.
+
+    For example: `modelcast profile diff mine.json default`
 
     The exit code is 0 whether or not they do.
 

@@ -1,27 +1,12 @@
-"""What a command shows while it works: on the standard error, where that is a terminal; gone at the end."""
+"""What a command says it is doing: a stage each, shown on the board (`modelcast.cli.board`)."""
 
 import math
-import os
-import sys
-import time
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    SpinnerColumn,
-    Task,
-    TaskID,
-    TextColumn,
-    TimeElapsedColumn,
-)
-from rich.text import Text
-
+from modelcast.cli.board import board
 from modelcast.cli.reading import TripSource
-from modelcast.cli.terminal import error_console
+from modelcast.core.doing import heard
 from modelcast.core.printable import printable
 from modelcast.trips.trajectory import Trajectory
 
@@ -30,7 +15,7 @@ __all__ = ["busy", "counted", "rated", "staged", "watched", "watching"]
 
 @contextmanager
 def busy(label: str, *, quiet: bool) -> Generator[None]:
-    """Show that something is being done, and for how long, where its steps cannot be counted.
+    """Show that something is being done, for how long, and what of it is at hand (`modelcast.core.doing`).
 
     Parameters
     ----------
@@ -39,15 +24,18 @@ def busy(label: str, *, quiet: bool) -> Generator[None]:
     quiet
         Show nothing.
     """
-    bar = _bar(label, quiet=quiet, steps=False)
-    bar.add_task(label, total=None, note="")
-    with bar:
-        yield
+    with board.stage(label, quiet=quiet, counts=False) as stage:
+
+        def note(what: str) -> None:
+            stage.note = what
+
+        with heard(note):
+            yield
 
 
 @contextmanager
 def watched(source: TripSource, *, quiet: bool) -> Generator[Iterator[Trajectory]]:
-    """Yield the source's trips, with files begun and trips taken shown on the terminal meanwhile.
+    """Yield the source's trips, with files begun and trips taken shown meanwhile.
 
     Parameters
     ----------
@@ -56,22 +44,21 @@ def watched(source: TripSource, *, quiet: bool) -> Generator[Iterator[Trajectory
     quiet
         Show nothing.
     """
-    bar = _bar("files", quiet=quiet)
-    task = bar.add_task("files", total=source.files, note="")
+    with board.stage("files", quiet=quiet) as stage:
+        stage.total = source.files
 
-    def shown() -> Iterator[Trajectory]:
-        for trip in source:
-            note = f"trip {source.trips}: {printable(trip.trip_id)}"
-            bar.update(task, completed=source.started - 1, note=note)
-            yield trip
+        def shown() -> Iterator[Trajectory]:
+            for trip in source:
+                stage.update(source.started - 1, source.files, board.clock_s())
+                stage.note = f"trip {source.trips}: {printable(trip.trip_id)}"
+                yield trip
 
-    with bar:
         yield shown()
 
 
 @contextmanager
-def counted(label: str, *, quiet: bool) -> Generator[Callable[[int, int], None]]:
-    """Yield a function that takes steps done and steps to do, shown on the terminal meanwhile.
+def counted(label: str, *, quiet: bool) -> Generator[Callable[[int, int | None], None]]:
+    """Yield a function that takes steps done and steps to do, None where nobody knows, shown meanwhile.
 
     Parameters
     ----------
@@ -80,64 +67,54 @@ def counted(label: str, *, quiet: bool) -> Generator[Callable[[int, int], None]]
     quiet
         Show nothing.
     """
-    bar = _bar(label, quiet=quiet)
-    task = bar.add_task(label, total=None, note="")
+    with board.stage(label, quiet=quiet) as stage:
 
-    def show(done: int, steps: int) -> None:
-        bar.update(task, completed=done, total=steps)
+        def show(done: int, steps: int | None) -> None:
+            stage.update(done, steps, board.clock_s())
 
-    with bar:
         yield show
 
 
 @contextmanager
-def watching(label: str) -> Generator[Callable[[str], None]]:
+def watching(label: str, *, quiet: bool = False) -> Generator[Callable[[str], None]]:
     """Yield a function that takes names of what is being done, whose number nobody knows beforehand.
 
     Parameters
     ----------
     label
         What is being done.
+    quiet
+        Show nothing.
     """
-    bar = _bar(label, quiet=False, steps=False)
-    task = bar.add_task(label, total=None, note="")
     done = 0
+    with board.stage(label, quiet=quiet, counts=False) as stage:
 
-    def show(name: str) -> None:
-        nonlocal done
-        done += 1
-        bar.update(task, note=f"{done}: {printable(name)}")
+        def show(name: str) -> None:
+            nonlocal done
+            done += 1
+            stage.note = f"{done}: {printable(name)}"
 
-    with bar:
         yield show
 
 
 @contextmanager
 def staged(*, quiet: bool) -> Generator[Callable[[str, int, int], None]]:
-    """Yield a function that takes a stage's name, steps done and steps to do; each stage has its bar.
+    """Yield a function that takes a part's name, steps done and steps to do; each part is timed by itself.
 
     Parameters
     ----------
     quiet
         Show nothing.
     """
-    bar = _bar("", quiet=quiet)
-    tasks: dict[str, TaskID] = {}
-
-    def show(stage: str, done: int, steps: int) -> None:
-        if stage not in tasks:
-            tasks[stage] = bar.add_task(stage, total=steps, note=stage)
-        bar.update(tasks[stage], completed=done, total=steps)
-
-    with bar:
-        yield show
+    with rated(quiet=quiet, shows_rows=False) as show:
+        yield lambda name, done, steps: show(name, done, steps, 0)
 
 
 @contextmanager
 def rated(
-    *, quiet: bool, under_way: Callable[[], int] = lambda: 0
+    *, quiet: bool, under_way: Callable[[], int] = lambda: 0, shows_rows: bool = True
 ) -> Generator[Callable[[str, int, int, int], None]]:
-    """Yield a function that takes a stage's name, steps done, steps to do, and rows done by them.
+    """Yield a function that takes a part's name, steps done, steps to do, and rows done by them.
 
     Shown are the rows, the rate, and the time left if what is left goes as what was done.
 
@@ -146,64 +123,47 @@ def rated(
     quiet
         Show nothing.
     under_way
-        Rows that steps not yet done have done; asked for twice a second.
+        Rows that steps not yet done have done; asked for twice a second at most.
+    shows_rows
+        Whether rows and rate are shown.
     """
-    bar = _bar("", quiet=quiet, steps=False, more=_Rate(under_way))
-    tasks: dict[str, TaskID] = {}
+    with board.stage("starting", quiet=quiet, counts=False) as stage:
 
-    def show(stage: str, done: int, steps: int, rows: int) -> None:
-        if stage not in tasks:
-            for before in tasks.values():
-                bar.remove_task(before)
-            tasks[stage] = bar.add_task(
-                stage, total=steps, note=stage, rows=rows,
-                begun_s=time.monotonic(), done_before=done, rows_before=rows,
-            )  # fmt: skip
-        bar.update(tasks[stage], completed=done, total=steps, rows=rows)
+        def show(name: str, done: int, steps: int, rows: int) -> None:
+            now_s = board.clock_s()
+            if stage.label != name or not stage.counts:
+                stage.begin(name, now_s)
+                stage.more = _Rows(under_way, rows, now_s) if shows_rows else None
+            if isinstance(stage.more, _Rows):
+                stage.more.rows = rows
+            stage.update(done, steps, now_s)
 
-    with bar:
         yield show
 
 
 _LOOK_S = 0.5
 
 
-class _Rate(ProgressColumn):
-    """Rows so far, rows a second, and the time left."""
+class _Rows:
+    """Rows so far, and rows a second.
 
-    def __init__(self, under_way: Callable[[], int]) -> None:
+    Parameters
+    ----------
+    under_way
+        Rows that are not counted yet.
+    rows, begun_s
+        Rows that were there before, and since when others are counted [s].
+    """
+
+    def __init__(self, under_way: Callable[[], int], rows: int, begun_s: float) -> None:
         self._under_way = under_way
+        self._before, self._begun_s = rows, begun_s
         self._looked_s, self._seen = -math.inf, 0
-        super().__init__()
+        self.rows = rows
 
-    def render(self, task: Task) -> Text:
-        """Text for one stage."""
-        told = task.fields
-        now_s = time.monotonic()
+    def __call__(self, now_s: float) -> str:
+        """Text for a row."""
         if now_s > self._looked_s + _LOOK_S:
             self._seen, self._looked_s = self._under_way(), now_s
-        rows = int(told["rows"]) + self._seen
-        elapsed_s = max(now_s - float(told["begun_s"]), 1e-3)
-        text = f"{rows:,} rows, {(rows - int(told['rows_before'])) / elapsed_s:,.0f}/s"
-        done, total = task.completed - float(told["done_before"]), task.total
-        if done > 0.0 and total is not None:
-            text += f", {elapsed_s * (total - task.completed) / done:,.0f} s left"
-        return Text(text)
-
-
-def _bar(label: str, *, quiet: bool, steps: bool = True, more: ProgressColumn | None = None) -> Progress:
-    """A progress bar on stderr that leaves nothing behind, and is silent where that is no terminal."""
-    # rich takes FORCE_COLOR for a terminal: what counts here is whether somebody watches.
-    watched = sys.stderr.isatty() and os.environ.get("TERM") not in {"dumb", "unknown"}
-    counts = (BarColumn(), MofNCompleteColumn()) if steps else ()
-    return Progress(
-        SpinnerColumn(),
-        TextColumn(label, markup=False),
-        *counts,
-        TextColumn("{task.fields[note]}", markup=False),
-        *(() if more is None else (more,)),
-        TimeElapsedColumn(),
-        console=error_console(),
-        transient=True,
-        disable=quiet or not watched,
-    )
+        rows = self.rows + self._seen
+        return f"{rows:,} rows, {(rows - self._before) / max(now_s - self._begun_s, 1e-3):,.0f}/s"

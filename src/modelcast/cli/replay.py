@@ -16,6 +16,8 @@ def replay(
 ) -> int:
     """Make a recorded node again, take it through what it met, and compare its map bit for bit.
 
+    For example: `modelcast replay log.mcap`
+
     Ends with 0 where every step gives what was recorded, with 1 where one does not: the first difference
     is printed.
 

@@ -27,6 +27,8 @@ def reproduce(
 ) -> int:
     """Repeat a published evaluation on recorded trips, under every choice that its text leaves open.
 
+    For example: `modelcast reproduce paper drive.csv --out out/paper`
+
     paper: Mahjoub, Toghi, Gani, Fallah, 2019. Writes report.html, claims.md, claims.csv, summary.json,
     figures/ and run.json.
 

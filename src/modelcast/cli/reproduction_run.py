@@ -96,10 +96,10 @@ def run_reproduction(
             if asked.options.pick and trips:
                 trips, short = usable_trips(trips, int(PLAIN.bank.windows.max()))
                 source.failures.update(short)
-                with busy("counting manoeuvres", quiet=silent):
+                with busy("counting manoeuvres", quiet=quiet):
                     counts = rank_trips(pool.each(count_manoeuvres, trips))
                 trips = [trip for trip in trips if trip.trip_id == counts[0].trip_id]
-            with counted("parts", quiet=silent) as progress:
+            with counted("parts", quiet=quiet) as progress:
                 found = reproduce_paper(trips, plan, each=pool.each, progress=progress)
         failures = {**found.failures, **source.failures}
         result = replace(found, failures=failures, skipped=dict(source.skipped))
@@ -108,7 +108,7 @@ def run_reproduction(
             if not silent:
                 say(result.picked)
         if asked.options.traffic:
-            with counted("runs", quiet=silent) as progress:
+            with counted("runs", quiet=quiet) as progress:
                 swept = run_traffic(
                     runs,
                     traffic,
@@ -118,7 +118,7 @@ def run_reproduction(
                 )
             result = with_traffic(result, swept.rows)
         write_run(folder, "reproduce", _arguments(asked), recorded_paths(asked.paths))
-        with busy("writing the report", quiet=silent):
+        with busy("writing the report", quiet=quiet):
             write_paper(result, folder)
             write_paper_report(result, folder)
     _tell(result, out, json=json, quiet=quiet)

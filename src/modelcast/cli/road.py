@@ -24,6 +24,8 @@ def road(
 ) -> int:
     """Build a road file of recorded trips, or show one: kilometres, passes, bytes, and a map.
 
+    For example: `modelcast road build monday.csv --out road.parquet`
+
     'modelcast road build TRIPS... --out roads.parquet' keeps a cell every 5 m of each drive. 'modelcast road
     show roads.parquet --out roads.png' draws them. Evaluate with 'modelcast evaluate TRIPS --road
     roads.parquet': a trip never remembers its own cells.

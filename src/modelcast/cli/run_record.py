@@ -4,7 +4,6 @@ import json
 import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, cast
@@ -15,7 +14,7 @@ from modelcast.cli.run_inputs import recorded_inputs, require_same_inputs
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.json_text import parse_json, schema_of
 from modelcast.core.rules import Anything, Each, FieldError, Keys, Maybe, Number, Table, Text, Whole, check
-from modelcast.core.version import package_version
+from modelcast.core.version import installed_versions, package_version
 from modelcast.corpora.layout import CORPUS_FILE, is_corpus
 from modelcast.io.regular import read_document
 
@@ -128,7 +127,7 @@ def write_run(
         "versions": {
             "modelcast": package_version(),
             "python": platform.python_version(),
-            **{name: metadata.version(name) for name in _PACKAGES},
+            **installed_versions(_PACKAGES),
             **foreign,
         },
         "inputs": recorded_inputs(inputs),

@@ -36,6 +36,8 @@ def safety(
 ) -> int:
     """Warn of the vehicle ahead by its messages, against the same application with perfect knowledge.
 
+    For example: `modelcast safety platoon.csv --threshold 0.2`
+
     Every vehicle of a platoon is a host, the one ahead of it the sender. Writes runs/, summary.json,
     pooled.parquet, events.parquet, table.md, report.html, its figures and run.json. Recordings that are
     scored are kept, also where the command was interrupted.
@@ -106,9 +108,9 @@ def safety(
         recordings = recordings_of(trips)
         work = safety_work(recordings, options, logs)
         _tell_outdated(store, work, quiet=silent)
-        with counted("recordings", quiet=silent) as progress:
+        with counted("recordings", quiet=quiet) as progress:
             scores = score_all(work, options, store, executor=executor, progress=progress)
-        with busy("pooling", quiet=silent):
+        with busy("pooling", quiet=quiet):
             found = gathered(
                 list(scores.values()),
                 recordings,
@@ -137,7 +139,7 @@ def safety(
             training_trips=known,
             foreign=options.foreign,
         )
-        with busy("writing the report", quiet=silent):
+        with busy("writing the report", quiet=quiet):
             write_safety(found, folder)
             write_safety_report(found, folder, training_trips=known, trips=len(trips), beside=beside)
     if json:

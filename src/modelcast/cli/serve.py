@@ -22,6 +22,8 @@ def serve(
 ) -> int:
     """Serve stations to another simulator, in any language, step by step.
 
+    For example: `modelcast serve --port 9031`
+
     The simulator tells where its vehicles are and what they received, and gets what they send, what they
     believe and what warns them (docs/serve.md). Only programs on this machine are served. Ends by SIGTERM or
     Ctrl-C.

@@ -1,7 +1,10 @@
 """The one way to the terminal: text in which nothing foreign is obeyed."""
 
 import json
+import os
 import sys
+from collections.abc import Callable, Generator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING
 
 from modelcast.core.printable import printable
@@ -9,7 +12,31 @@ from modelcast.core.printable import printable
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-__all__ = ["complain", "error_console", "refused", "say", "say_json", "show"]
+__all__ = ["beside", "complain", "error_console", "say", "say_json", "show"]
+
+_NO_WIDTH = 10_000
+_Aside = Callable[[], AbstractContextManager[None]]
+_asides: list[_Aside] = []
+
+
+@contextmanager
+def beside(aside: _Aside) -> Generator[None]:
+    """For as long as the block lasts, print between what is shown there anyhow.
+
+    Parameters
+    ----------
+    aside
+        Gives a context in which that is taken away.
+    """
+    _asides.append(aside)
+    try:
+        yield
+    finally:
+        _asides.remove(aside)
+
+
+def _room() -> AbstractContextManager[None]:
+    return _asides[-1]() if _asides else nullcontext()
 
 
 def complain(problem: object) -> None:
@@ -20,7 +47,8 @@ def complain(problem: object) -> None:
     problem
         An error or a text; what is not printable in it is escaped.
     """
-    print(f"modelcast: {printable(str(problem))}", file=sys.stderr)
+    with _room():
+        print(f"modelcast: {printable(str(problem))}", file=sys.stderr)
 
 
 def say(line: str) -> None:
@@ -31,7 +59,8 @@ def say(line: str) -> None:
     line
         Any text; what is not printable in it is escaped.
     """
-    print(printable(line), flush=True)
+    with _room():
+        print(printable(line), flush=True)
 
 
 def say_json(document: object, *, sort: bool = True) -> None:
@@ -44,20 +73,8 @@ def say_json(document: object, *, sort: bool = True) -> None:
     sort
         Whether names are sorted; else they stand in the document's order.
     """
-    print(json.dumps(document, indent=2, sort_keys=sort))
-
-
-def refused(error: Exception) -> "RenderableType":
-    """Return what is shown of arguments that the command line does not take.
-
-    Parameters
-    ----------
-    error
-        What is wrong with them; it quotes them.
-    """
-    from cyclopts.panel import CycloptsPanel
-
-    return CycloptsPanel("\n".join(map(printable, str(error).splitlines())))
+    with _room():
+        print(json.dumps(document, indent=2, sort_keys=sort))
 
 
 def show(*tables: "RenderableType") -> None:
@@ -70,11 +87,14 @@ def show(*tables: "RenderableType") -> None:
     """
     from rich.console import Console
 
-    Console(markup=False, emoji=False).print(*tables, sep="\n")
+    with _room():
+        # Only a terminal has a width: in a pipe or a file nothing is wrapped, unless COLUMNS asks for it.
+        width = None if sys.stdout.isatty() or os.environ.get("COLUMNS") else _NO_WIDTH
+        Console(markup=False, emoji=False, width=width).print(*tables, sep="\n")
 
 
 def error_console() -> "Console":
-    """Return the console of progress bars: the standard error, without markup."""
+    """Return the console of progress bars: a terminal at the standard error, without markup."""
     from rich.console import Console
 
-    return Console(file=sys.stderr, markup=False, emoji=False)
+    return Console(file=sys.stderr, markup=False, emoji=False, force_terminal=True)

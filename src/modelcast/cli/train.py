@@ -44,6 +44,8 @@ def train(
 ) -> int:
     """Train a profile: the sub-models of its bank, calibrations, and how often each would speak.
 
+    For example: `modelcast train monday.csv tuesday.csv --out mine.json`
+
     The bank is free-predictive, which states in a plain message what predicts longest, and free, where not
     said otherwise. The file is canonical JSON; its SHA-256 is the profile's identity. Use it with --bank
     FILE. Needs the extra train (JAX and optax). The same trips, options and package versions give the same
@@ -111,6 +113,7 @@ def train(
     from modelcast.cli.reading import TripSource, require_paths
     from modelcast.cli.terminal import say, say_json, show
     from modelcast.core.exceptions import ConfigError
+    from modelcast.core.installed import require_installed
     from modelcast.io.output import atomic_file
     from modelcast.report.training import training_report
     from modelcast.station.banks import parts_of
@@ -119,6 +122,8 @@ def train(
     from modelcast.study.training.switching import FitSettings, SwitchingSettings
 
     require_paths(paths, "train")
+    if not (bank or add):
+        require_installed("modelcast train", "train")
     _require_addable(
         add,
         modes,
@@ -148,8 +153,8 @@ def train(
         with atomic_file(out, inputs=paths, shown=f"--out {out}") as file:
             trips = all_trips(source, paths, "one fit is made to all of them", quiet=silent)
             if not trips:
-                raise ConfigError("; ".join(("no usable trip", *source.skipped_lines())))
-            with staged(quiet=silent) as progress:
+                raise ConfigError("no usable trip")
+            with staged(quiet=quiet) as progress:
                 trained = _trained(profile, trips, add, settings, progress)
             file.write(trained.text.encode("utf-8"))
     except ValueError as error:
@@ -240,6 +245,7 @@ def _require_addable(add: tuple[str, ...], modes: int, **unused: object) -> None
 def _require_trainable(names: tuple[str, ...]) -> None:
     """Refuse members before hours of training that no profile could hold."""
     from modelcast.cli.banks import profile_in_use
+    from modelcast.core.near_names import near
     from modelcast.models.sub_models import names_registered
     from modelcast.station.banks import member_names
     from modelcast.study.training.profile import MOST_NAMES
@@ -251,6 +257,7 @@ def _require_trainable(names: tuple[str, ...]) -> None:
         if name not in known and not name.startswith("gp-regime-") and not names_registered(name)
     ]
     if unknown:
-        raise ValueError(f"--bank: no sub-model is named {unknown[0]}; there are {', '.join(known)}")
+        meant = near(unknown[0], known)
+        raise ValueError(f"--bank: no sub-model is named {unknown[0]}{meant}; there are {', '.join(known)}")
     if len(names) > MOST_NAMES:
         raise ValueError(f"--bank names at most {MOST_NAMES} sub-models, got {len(names)}")

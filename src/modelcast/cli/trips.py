@@ -22,6 +22,8 @@ def trips(
 ) -> int:
     """Show each trip's duration, rate, gaps, grid, held values, noise, manoeuvres, skipped and odd samples.
 
+    For example: `modelcast trips drive.csv`
+
     With --rank: count the manoeuvres of each trip, and order the trips by them.
 
     Parameters
@@ -74,7 +76,7 @@ def trips(
     from modelcast.trips.manoeuvres.rank import count_manoeuvres
 
     with TripNotes() as notes:
-        with watched(source, quiet=quiet or json) as shown:
+        with watched(source, quiet=quiet) as shown:
             for one in shown:
                 quality = inspect(one)
                 notes.add(quality, trip_findings(one), count_manoeuvres(one, quality))

@@ -23,6 +23,8 @@ def view(
 ) -> int:
     """Show what a host believed on a page in the browser: a recording, a log of snapshots, or a made drive.
 
+    For example: `modelcast view --demo`
+
     Parameters
     ----------
     log
@@ -62,10 +64,7 @@ def view(
             raise ConfigError("--truth goes with a recording of modelcast node (MCAP)")
         elif log is not None:
             feed = open_files.enter_context(SnapshotLog(log))
-        try:
-            asyncio.run(_serve(feed, host, port, name))
-        except KeyboardInterrupt:
-            return 0
+        asyncio.run(_serve(feed, host, port, name))
     return 0
 
 

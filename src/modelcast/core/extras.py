@@ -1,10 +1,13 @@
-"""The optional parts of modelcast: the one table of what each brings and what needs it."""
+"""The optional parts of modelcast: the one table of what each brings and what needs it, and how to get it."""
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
 from types import MappingProxyType
 
-__all__ = ["EXTRAS", "Extra"]
+__all__ = ["EXTRAS", "Extra", "install_command"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +46,12 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
             "modelcast node, serve, view, replay, demo-live; signing and checking signatures from Python "
             "(modelcast.messages.security)",
         ),
+        "network": Extra(
+            MappingProxyType({"scipy": "scipy"}),
+            "fleets on simulated radios: modelcast network, capacity, mixed, cruise, safety",
+        ),
         "train": Extra(
-            MappingProxyType({"jax": "jax", "optax": "optax"}),
+            MappingProxyType({"jax": "jax", "optax": "optax", "scipy": "scipy"}),
             "modelcast train; modelcast compare --bank trained",
         ),
         "etsi": Extra(
@@ -65,4 +72,29 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         ),
     }
 )
-"""The extras by their names in ``pip install 'modelcast[NAME]'``."""
+"""The extras by their names."""
+
+
+def install_command(requirements: Iterable[str], *, upgrade: bool = False) -> str:
+    """Return the command that installs packages for the interpreter that runs this modelcast.
+
+    It names the packages themselves, not an extra of modelcast: no index need have modelcast.
+
+    Parameters
+    ----------
+    requirements
+        Names of packages, or names with the least version.
+    upgrade
+        Whether they are there, and too old or broken.
+
+    Examples
+    --------
+    >>> install_command(["lz4", "zstandard>=0.23"]).partition(" install ")[2]
+    "lz4 'zstandard>=0.23'"
+    """
+    interpreter, here = Path(sys.executable), Path.cwd()
+    shown = str(interpreter.relative_to(here) if interpreter.is_relative_to(here) else interpreter)
+    python = f'"{shown}"' if " " in shown else shown
+    installer = f"{python} -m pip install" if find_spec("pip") else f"uv pip install --python {python}"
+    wanted = " ".join(one if one.replace("-", "").isalnum() else f"'{one}'" for one in requirements)
+    return f"{installer} --upgrade {wanted}" if upgrade else f"{installer} {wanted}"

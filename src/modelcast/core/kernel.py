@@ -14,9 +14,8 @@ import functools
 import importlib
 import inspect
 import pickle
-import sys
 import typing
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Any, ParamSpec, TypeVar, overload
 
@@ -24,10 +23,10 @@ from llvmlite import binding
 from numba.core import codegen, compiler, config, registry, serialize
 from numba.core.compiler_lock import global_compiler_lock
 
-from modelcast.core import kernel_cache
+from modelcast.core import compiling, kernel_cache
 from modelcast.core.kernel_types import numba_type
 
-__all__ = ["COMPILES", "Kernel", "kernel", "kernels", "watch"]
+__all__ = ["COMPILES", "Kernel", "kernel", "kernels"]
 
 _settings: Any = config
 
@@ -154,7 +153,7 @@ class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
             kept = _kept(form, file)
             if kept is not None:
                 return kept
-            with _announcing.around(self.label):
+            with compiling.announced(self.label, self._missing):
                 made = form.compiled(signature)
             if made.library.has_dynamic_globals:
                 raise TypeError(f"{self.label} holds an address or a large array: give it as an argument")
@@ -164,6 +163,25 @@ class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
                 except OSError as error:
                     _not_kept(error)
         return made
+
+    def _missing(self) -> int:
+        """How many functions have to be compiled before it can be called, itself among them."""
+        seen: set[Kernel] = {self}
+        waiting: list[Kernel] = [self]
+        while waiting:
+            for one in _called_by(waiting.pop().py_func):
+                if one not in seen and not one.is_part_ready:
+                    seen.add(one)
+                    waiting.append(one)
+        return sum(one.targetoptions.get("inline") != "always" for one in seen)
+
+    @property
+    def is_part_ready(self) -> bool:
+        """Whether other kernels can take it in without its being compiled, by this process or an earlier."""
+        if self.overloads or self._own is not None:
+            return True
+        file = _file_of(self, _Part.suffix)
+        return file is not None and file.path.exists()
 
     def flags(self) -> Any:
         """Numba's flags, from the options."""
@@ -274,6 +292,16 @@ class _Part(_Own):
         return made
 
 
+def _called_by(function: Any) -> Iterator[Kernel]:
+    """Kernels that a function names."""
+    code = function.__code__
+    cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
+    known = {name: function.__globals__.get(name) for name in code.co_names}
+    for one in (*known.values(), *(cell.cell_contents for _, cell in cells)):
+        if isinstance(one, Kernel):
+            yield one
+
+
 def _kept(form: _Own, file: kernel_cache.KernelFile | None) -> Any:
     """Return what an earlier run kept; None where there is nothing."""
     payload = None if file is None else file.read()
@@ -352,53 +380,8 @@ def kernels() -> tuple[Kernel, ...]:
     return tuple(sorted(_made, key=lambda one: one.label))
 
 
-def watch(listener: Callable[[str], None] | None) -> None:
-    """Have compilation announced.
-
-    Parameters
-    ----------
-    listener
-        Called with the name of each kernel that is about to be compiled, and with an empty one when the
-        outermost of them is done; None for the one line that a terminal gets otherwise.
-    """
-    _announcing.listener = listener
-
-
-class _Announcing:
-    """What is being compiled, and who is told."""
-
-    def __init__(self) -> None:
-        self.listener: Callable[[str], None] | None = None
-        self.depth = 0
-        self.told: set[str] = set()
-
-    def tell(self, text: str) -> None:
-        """Write a line to the terminal, once a process."""
-        if text not in self.told:
-            self.told.add(text)
-            sys.stderr.write(f"modelcast: {text}\n")
-
-    @contextmanager
-    def around(self, label: str) -> Generator[None]:
-        """Announce one compilation."""
-        if self.listener is not None:
-            self.listener(label)
-        elif sys.stderr.isatty():
-            self.tell("compiling for this machine, once; the next run starts at once")
-        self.depth += 1
-        try:
-            yield
-        finally:
-            self.depth -= 1
-            if self.listener is not None and not self.depth:
-                self.listener("")
-
-
-_announcing = _Announcing()
-
-
 def _not_kept(error: OSError) -> None:
-    _announcing.tell(
+    compiling.tell(
         f"compiled code cannot be kept, so every process compiles anew ({error}); "
         f"set {kernel_cache.CACHE_VARIABLE} to a folder of your own"
     )

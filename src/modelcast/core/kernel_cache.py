@@ -224,13 +224,23 @@ def _imports(name: str, text: str) -> Iterator[str]:
     """Names of the modules that a module's text imports; those of a package may be modules or not."""
     own: ModuleType | None = sys.modules.get(name)
     package: str = getattr(own, "__package__", None) or name.rpartition(".")[0]
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.Import):
-            yield from (one.name for one in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            above = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
-            base = ".".join([*above, *([node.module] if node.module else [])])
-            yield base
-            for one in node.names:
-                if f"{base}.{one.name}" in sys.modules:
-                    yield f"{base}.{one.name}"
+    for level, module, names in _import_statements(text):
+        if module is None and not level:
+            yield from names
+            continue
+        above = package.split(".")[: len(package.split(".")) - level + 1] if level else []
+        base = ".".join([*above, *([module] if module else [])])
+        yield base
+        for one in names:
+            if f"{base}.{one}" in sys.modules:
+                yield f"{base}.{one}"
+
+
+@functools.cache
+def _import_statements(text: str) -> tuple[tuple[int, str | None, tuple[str, ...]], ...]:
+    """Level, module and names of every import; a text that many kernels come from is parsed once."""
+    return tuple(
+        (getattr(node, "level", 0), getattr(node, "module", None), tuple(one.name for one in node.names))
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    )

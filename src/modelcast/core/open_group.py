@@ -18,6 +18,7 @@ from typing import Any, Generic, TypeVar
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.named_settings import named_settings
+from modelcast.core.near_names import near
 from modelcast.core.rules import shown
 
 __all__ = ["OpenGroup", "Origin", "registered"]
@@ -198,8 +199,9 @@ entry-point group 'example.counters'.
         """The one entry point of a name that is not ours."""
         points = registered(self.name).get(name, ())
         if not points:
+            known = self.names()
             raise ConfigError(
-                f"Unknown {self.called} {name!r}. Known: {', '.join(self.names())}. "
+                f"Unknown {self.called} {name!r}{near(name, known)}. Known: {', '.join(known)}. "
                 f"Packages add theirs in the entry-point group {self.name!r}."
             )
         owners = ["modelcast"] if name in self.own else []

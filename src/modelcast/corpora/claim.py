@@ -59,6 +59,10 @@ def claimed(folder: Path, plan: Mapping[str, Any], *, shown: str) -> Generator[N
         with atomic_file(folder / UNFINISHED) as file:
             file.write(json.dumps(plan).encode())
         yield
+    except KeyboardInterrupt as error:
+        if (folder / STAGING).is_dir():
+            error.add_note(f"what is read is kept in {shown}: the same command goes on from there")
+        raise
     finally:
         _given_up(lock, folder / _LOCK)
         with suppress(OSError):

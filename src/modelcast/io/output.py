@@ -74,7 +74,7 @@ def atomic_folder(
     ['MANIFEST.txt', 'a.txt']
     """
     # A link is followed, so that its target is replaced and not the link.
-    target, shown = Path(path).resolve(), shown or str(path)
+    target, told, shown = Path(path).resolve(), shown, shown or str(path)
     clean_leftovers(target)
     require_replaceable(target, command, shown=shown)
     missing = [folder for folder in target.parents if not folder.exists()]
@@ -88,12 +88,19 @@ def atomic_folder(
             write_manifest(partial, command)
             _sync_tree(partial)
             _place(partial, target, command, shown=shown)
-    except BaseException:
+    except BaseException as error:
         for folder in missing:
             with suppress(OSError):
                 folder.rmdir()
+        _note_untouched(error, target, told)
         raise
     _sync(target.parent)
+
+
+def _note_untouched(error: BaseException, target: Path, told: str | None) -> None:
+    """Have an interrupt say that an output which errors have a name for is not there, or is the old one."""
+    if isinstance(error, KeyboardInterrupt) and told is not None:
+        error.add_note(f"{told} {'is as it was' if target.exists() else 'is not written'}")
 
 
 @contextmanager
@@ -129,7 +136,7 @@ def atomic_file(
     >>> [item.name for item in target.parent.iterdir()]
     ['a.txt']
     """
-    target, shown = require_writable(path, shown=shown), shown or str(path)
+    target, told, shown = require_writable(path, shown=shown), shown, shown or str(path)
     require_apart(path, inputs, shown=shown)
     clean_leftovers(target)
     try:
@@ -146,6 +153,9 @@ def atomic_file(
         raise
     except OSError as error:
         raise ConfigError(f"{shown} cannot be written: {error.strerror or error}") from error
+    except KeyboardInterrupt as error:
+        _note_untouched(error, target, told)
+        raise
     _sync(target.parent)
 
 

@@ -288,6 +288,12 @@ def run_store(
         yield RunStore(target / _RUNS, unfinished, files)
         for path in unfinished.glob("*.json"):
             path.unlink(missing_ok=True)
+    except KeyboardInterrupt as error:
+        kept = sum(1 for _ in unfinished.glob("*.json"))
+        if kept:
+            runs = "1 run is" if kept == 1 else f"{kept} runs are"
+            error.add_note(f"{runs} kept: the same command goes on from there")
+        raise
     finally:
         # Where runs are left they wait for the next call.
         with suppress(OSError):

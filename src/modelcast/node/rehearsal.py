@@ -14,7 +14,8 @@ import numpy as np
 
 from modelcast.apps.base import AbstractApplication
 from modelcast.channel.erasure import IndependentErasure
-from modelcast.core.kernel import COMPILES, kernels, watch
+from modelcast.core.compiling import Compiling, watch
+from modelcast.core.kernel import COMPILES, kernels
 from modelcast.node.demo import demo_trips
 from modelcast.node.envelope import Unsecured
 from modelcast.node.inputs.motion_source import MotionSource
@@ -90,18 +91,20 @@ def rehearse(
     """
     compiled: list[str] = []
 
-    def listen(label: str) -> None:
-        if label:
-            compiled.append(label)
+    def listen(one: Compiling) -> None:
+        if one.label:
+            compiled.append(one.label)
             if announce is not None:
-                announce(label)
+                announce(one.label)
+        if before is not None:
+            before(one)
 
     begun_s = clock_s()
-    watch(listen)
+    before = watch(listen)
     try:
         _drive(sender, applications, tick_s)
     finally:
-        watch(None)
+        watch(before)
     own = [one for one in kernels() if one.is_ready] if COMPILES else []
     return Rehearsed(
         len(own),

@@ -12,11 +12,10 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.printable import printable
 from modelcast.report.headline import sender_label
 from modelcast.report.style import POLICY_COLOURS
-from modelcast.station.banks import FREE
 from modelcast.station.policy.base import MessageKind
 from modelcast.study.playback import Playback, PlayedRun
 from modelcast.study.result import EvaluationResult
-from modelcast.study.rules import MODEL_SENDER
+from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.wording import centimetres
 
 __all__ = ["MOST_SAMPLES", "playback_caption", "playback_document", "played_samples"]
@@ -26,7 +25,11 @@ MOST_SAMPLES = 3000
 
 _ABOUT_S = 60.0
 _STRETCHES = 300
-_COLOURS = {MODEL_SENDER: POLICY_COLOURS["mbc"], FREE: "#a8558a", "baseline": POLICY_COLOURS["baseline"]}
+_COLOURS = {
+    MODEL_SENDER: POLICY_COLOURS["mbc"],
+    FREE_RECEIVER: POLICY_COLOURS["free"],
+    "baseline": POLICY_COLOURS["baseline"],
+}
 _KINDS = {MessageKind.UPDATE: "u", MessageKind.IDENTIFICATION: "i", MessageKind.KEEP_ALIVE: "k"}
 
 
@@ -55,7 +58,7 @@ def playback_document(result: EvaluationResult) -> dict[str, Any]:
     origin_m = playback.truth_m[0]
     truth_cm = 100.0 * (playback.truth_m[kept] - origin_m)
     ratios = list(dict.fromkeys(run.packet_error_ratio for run in playback.runs))
-    names = {MODEL_SENDER: sender_label(result), FREE: "Free receiver", "baseline": "Baseline"}
+    names = {MODEL_SENDER: sender_label(result), FREE_RECEIVER: "Free receiver", "baseline": "Baseline"}
     first = [run for run in playback.runs if run.packet_error_ratio == ratios[0]]
     return {
         "trip": printable(playback.trip),
@@ -118,7 +121,8 @@ def playback_caption(result: EvaluationResult) -> str:
         f"{centimetres(playback.threshold_m)} and with the keep-alive of the loss runs. Grey: the true path "
         "and the vehicle; in colour: where each receiver believes it to be"
         + (", with the same losses for all" if several else "")
-        + ". Marks beside the path and below the errors are messages, hollow where lost. "
+        + ". The axis of the errors is straight up to two thresholds and logarithmic beyond. "
+        "Marks beside the path and below the errors are messages, hollow where lost. "
         f"{_beyond(playback)}{left_out} Space plays; drag to zoom the errors, click to go to a time."
     )
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.kinds import PEOPLE, Kind
+from modelcast.core.near_names import near
 from modelcast.messages.airtime import Stack
 from modelcast.messages.mbc_wire import profile_number
 from modelcast.messages.sizes import SizeModel
@@ -426,14 +427,20 @@ def _member(name: str, profile: Profile, noise_floor_m: float | None, window: in
     if found is None and names_registered(name):
         found = model_of_word(name)
     if found is None:
-        if ":" in name:
-            others = ", ".join(SUB_MODELS.foreign_names()) or "none"
-            raise ValueError(f"'{name}': settings are for sub-models of other packages, here {others}")
-        *most, last = member_names(profile)
-        known = f"there are {', '.join(most)} and {last}, and gp(...) of a kernel"
-        raise ValueError(f"no sub-model is named '{name}'; {known}")
+        raise _unknown_member(name, profile)
     fitted = isinstance(found, GaussianProcess | KernelProcess | VehicleProcess)
     return replace(found, samples=window) if fitted else found
+
+
+def _unknown_member(name: str, profile: Profile) -> ValueError:
+    """What to raise for a name that is none of a sub-model."""
+    if ":" in name:
+        others = ", ".join(SUB_MODELS.foreign_names()) or "none"
+        return ValueError(f"'{name}': settings are for sub-models of other packages, here {others}")
+    *most, last = member_names(profile)
+    known = f"there are {', '.join(most)} and {last}, and gp(...) of a kernel"
+    meant = ": join several by +, as in cv+gp-intercept" if "," in name else near(name, (*most, last))
+    return ValueError(f"no sub-model is named '{name}'{meant}; {known}")
 
 
 def profile_number_of(bank: Bank) -> int:

@@ -14,7 +14,6 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Any, Literal
 
 import numpy as np
-from scipy.stats import rankdata
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.models.bank import Bank
@@ -357,7 +356,7 @@ def _time_row(
     figures = dict.fromkeys(("expected_s", "observed_s", "rank_correlation"), np.nan)
     if observed_s.size:
         # A covariance that is the same at every instant must not be ranked by its rounding.
-        one, other = rankdata(expected_s.round(6)), rankdata(observed_s)
+        one, other = _ranks(expected_s.round(6)), _ranks(observed_s)
         varies = np.ptp(one) > 0 and np.ptp(other) > 0
         figures = {
             "expected_s": float(expected_s.mean()),
@@ -367,3 +366,9 @@ def _time_row(
     return TIMES.row(
         sub_model=sub_model, form=form, threshold_m=threshold_m, **figures, instants=observed_s.size
     )
+
+
+def _ranks(values: FloatArray) -> FloatArray:
+    """Ranks from 1, those of equal values being their mean, (K,)."""
+    _, which, count = np.unique(values, return_inverse=True, return_counts=True)
+    return (np.cumsum(count) - 0.5 * (count - 1))[which]

@@ -121,7 +121,9 @@ def evaluate_trip(
     longest = int(np.diff(seen.segments).max())
     needed = int(settings.bank.windows.max())
     if longest < needed:
-        found.failures[seen.trip_id] = f"its longest part has {longest} samples, a window needs {needed}"
+        found.failures[seen.trip_id] = (
+            f"its longest part has {longest} samples, a window needs {needed}: record longer"
+        )
         return found
     case = make_case(trip, settings)
     quantised = settings.quantised
@@ -137,9 +139,8 @@ def evaluate_trip(
         records.add_events(event_columns(case, count, walk, settings))
     if settings.references:
         found.references += count_references(case, settings.thresholds_m)
-    found.illustration = _illustrated(
-        case, (mbc, each, baseline), counted[2 * settings.detail][1], settings, sharper_than_mps2
-    )
+    drawn = counted[2 * settings.detail][1]
+    found.illustration = _illustrated(case, (mbc, each, baseline, free), drawn, settings, sharper_than_mps2)
     if not settings.packet_error_ratios:
         return found
     for run in run_tracking(case, each, baseline, settings, free):
@@ -155,7 +156,7 @@ def evaluate_trip(
 
 def _illustrated(
     case: TripCase,
-    runtimes: tuple[TripRuntime, Sequence[TripRuntime], TripRuntime],
+    runtimes: tuple[TripRuntime, Sequence[TripRuntime], TripRuntime, TripRuntime | None],
     walk: TripMessages,
     settings: EvaluationSettings,
     sharper_than_mps2: float,
@@ -174,7 +175,7 @@ def _illustrated(
         acceleration_mps2 = 0.0
     else:
         return None
-    mbc, _, baseline = runtimes
+    mbc, _, baseline, _ = runtimes
     threshold_m = walk.policy.threshold_m
     return Illustration(
         trip,

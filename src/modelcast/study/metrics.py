@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy import special
 
 from modelcast.core.arrays import FloatArray, SingleArray
+from modelcast.study.student import student_reach
 
 __all__ = ["LANE_M", "confidence_limits", "quantiles"]
 
@@ -85,6 +85,6 @@ def confidence_limits(values: FloatArray) -> tuple[float | None, float | None]:
     values = values[np.isfinite(values)]
     if values.size < 2:
         return None, None
-    reach = float(special.stdtrit(values.size - 1, 0.975) * values.std(ddof=1) / np.sqrt(values.size))
+    reach = float(student_reach(values.size - 1) * values.std(ddof=1) / np.sqrt(values.size))
     centre = float(values.mean())
     return centre - reach, centre + reach

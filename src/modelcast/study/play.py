@@ -10,7 +10,6 @@ from modelcast.runtime.trip.replay import replay, schedules_of
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.policy.base import MessageKind
 from modelcast.study.case import TripCase
-from modelcast.study.context import free_runtime
 from modelcast.study.playback import Playback, PlayedRun
 from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.settings import EvaluationSettings
@@ -41,7 +40,7 @@ def played_ratio(settings: EvaluationSettings) -> float | None:
 def draw_playback(
     case: TripCase,
     settings: EvaluationSettings,
-    runtimes: tuple[TripRuntime, Sequence[TripRuntime], TripRuntime],
+    runtimes: tuple[TripRuntime, Sequence[TripRuntime], TripRuntime, TripRuntime | None],
     *,
     threshold_m: float,
     at_s: float,
@@ -54,13 +53,13 @@ def draw_playback(
         The trip and what was asked for.
     runtimes
         The evaluated bank's on a channel without loss and, once for all loss ratios or once for each, with
-        loss; and the baseline's.
+        loss; the baseline's; and the free receiver's, where it is run.
     threshold_m
         The threshold that all keep [m].
     at_s
         Time of the manoeuvre [s].
     """
-    clean, each, baseline = runtimes
+    clean, each, baseline, free = runtimes
     ratio = played_ratio(settings)
     lossless: BoolArray = np.zeros(len(case.truth), dtype=np.bool_)
     channels = [(0.0, clean, lossless)]
@@ -68,7 +67,6 @@ def draw_playback(
         lossy = each[0] if len(each) == 1 else each[settings.packet_error_ratios.index(ratio)]
         drawn = draw_losses(case, replace(settings, packet_error_ratios=(ratio,), seeds=1))
         channels.append((ratio, lossy, drawn[0, 0]))
-    free = free_runtime(case, settings, baseline.sensed)
     runs: list[PlayedRun] = []
     for share, own, lost in channels:
         played = [(MODEL_SENDER, own, own.run(settings.under_loss(threshold_m, share)))]

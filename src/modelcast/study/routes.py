@@ -8,9 +8,6 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
-from scipy import sparse
-from scipy.sparse import csgraph
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.exceptions import ConfigError
@@ -75,11 +72,7 @@ def routes(trips: Sequence[Trajectory], rule: RouteRule = "auto") -> IntArray:
         linked &= ~_apart_in_time(trips)
         linked[part] &= _bounds_meet(surfaces)
         linked[part] |= _same_ground(surfaces)
-    _, labels = csgraph.connected_components(sparse.csr_array(linked.astype(np.int64)), directed=False)
-    _, first = np.unique(labels, return_index=True)
-    rank = np.empty(first.size, dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(first.size)
-    return rank[labels] if count else np.empty(0, dtype=np.int64)
+    return np.unique(_first_linked(linked), return_inverse=True)[1] if count else np.empty(0, dtype=np.int64)
 
 
 def route_names(trips: Sequence[Trajectory], route: IntArray) -> list[str]:
@@ -163,7 +156,7 @@ def _same_ground(surfaces: Sequence[FloatArray]) -> BoolArray:
     own = [_cells(points) for points in surfaces]
     wide = [np.unique(_packed((cells[:, None] + _NEIGHBOURS).reshape(-1, 3))) for cells in own]
     packed = [_packed(cells) for cells in own]
-    shared = np.asarray((_incidence(packed, wide) @ _incidence(wide, wide).T).todense())
+    shared = _shared_cells(packed, wide)
     ratio = shared / np.array([cells.size for cells in packed])[:, None]
     return np.maximum(ratio, ratio.T) >= SHARED_RATIO
 
@@ -174,10 +167,30 @@ def _packed(cells: IntArray) -> IntArray:
     return (shifted[:, 0] << (2 * _BITS)) | (shifted[:, 1] << _BITS) | shifted[:, 2]
 
 
-def _incidence(cells: Sequence[IntArray], all_cells: Sequence[IntArray]) -> sparse.csr_array:
-    """Which trip has which of the cells that any has, (K, C), sparse."""
-    known = np.unique(np.concatenate(all_cells)) if all_cells else np.empty(0, dtype=np.int64)
-    columns: npt.NDArray[np.int64] = np.searchsorted(known, np.concatenate([*cells, known[:0]]))
-    rows = np.repeat(np.arange(len(cells)), [one.size for one in cells])
-    ones = np.ones(columns.size, dtype=np.int64)
-    return sparse.csr_array((ones, (rows, columns)), shape=(len(cells), known.size))
+def _shared_cells(cells: Sequence[IntArray], others: Sequence[IntArray]) -> IntArray:
+    """How many cells of one trip lie in those of another, (K, K); no trip names a cell twice."""
+    owner = np.repeat(np.arange(len(others)), [one.size for one in others])
+    known = np.concatenate([*others, np.empty(0, dtype=np.int64)])
+    order = np.argsort(known, kind="stable")
+    known, owner = known[order], owner[order]
+    shared = np.zeros((len(cells), len(others)), dtype=np.int64)
+    for row, own in zip(shared, cells, strict=True):
+        first = np.searchsorted(known, own, "left")
+        count = np.searchsorted(known, own, "right") - first
+        before: IntArray = np.cumsum(count) - count
+        place: IntArray = np.repeat(first - before, count)
+        place += np.arange(place.size)
+        row[:] = np.bincount(owner[place], minlength=len(others))
+    return shared
+
+
+def _first_linked(linked: BoolArray) -> IntArray:
+    """The first trip that each is linked with, be it through others, (N,); links go both ways."""
+    found = np.arange(len(linked))
+    while True:
+        lowest = np.where(linked, found, len(linked)).min(axis=1, initial=len(linked))
+        lowest = np.minimum(found, lowest)
+        lowest = lowest[lowest]
+        if np.array_equal(lowest, found):
+            return found
+        found = lowest

@@ -1,15 +1,11 @@
 """Who has to look at whom: the pairs of vehicles of a frame that are close to each other."""
 
-from typing import Any
-
 import numpy as np
-from scipy.spatial import cKDTree
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.scientific import scientific
 
 __all__ = ["near_pairs"]
-
-_Tree: Any = cKDTree  # SciPy has no useful types here
 
 
 def near_pairs(position_m: FloatArray, active: BoolArray, radius_m: float) -> tuple[IntArray, IntArray]:
@@ -53,7 +49,8 @@ def near_pairs(position_m: FloatArray, active: BoolArray, radius_m: float) -> tu
         raise ValueError("position_m of a slot with a vehicle is not finite: such a slot is not active")
     if slots.size < 2:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-    found: IntArray = _Tree(place).query_pairs(radius_m, output_type="ndarray").astype(np.int64)
+    tree = scientific("spatial", "finding who is near").cKDTree(place)
+    found: IntArray = tree.query_pairs(radius_m, output_type="ndarray").astype(np.int64)
     hosts = slots[np.concatenate([found[:, 0], found[:, 1]])]
     remotes = slots[np.concatenate([found[:, 1], found[:, 0]])]
     order = np.lexsort((remotes, hosts))

@@ -10,6 +10,7 @@ from dataclasses import KW_ONLY, dataclass
 from math import pi
 from types import MappingProxyType
 
+from modelcast.core.near_names import near
 from modelcast.world.sensors import IDEAL, SensorModel
 
 __all__ = ["SENSORS", "NamedSensor", "named_sensor", "sensor_table"]
@@ -143,7 +144,7 @@ def named_sensor(name: str) -> SensorModel:
     0.5
     """
     if name not in SENSORS:
-        raise ValueError(f"sensor must be one of {', '.join(SENSORS)}, got {name!r}")
+        raise ValueError(f"sensor must be one of {', '.join(SENSORS)}, got {name!r}{near(name, SENSORS)}")
     return SENSORS[name].model
 
 

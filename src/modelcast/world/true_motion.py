@@ -1,9 +1,9 @@
 """How a recorded vehicle truly moved: what its log lacks is taken from differences on both sides."""
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.scientific import scientific
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world.sensors import with_motion
 
@@ -58,4 +58,5 @@ def _slope(values: FloatArray, t_s: FloatArray, reach: int) -> FloatArray:
     if reach < 1 or values.size < samples:
         return np.gradient(values, t_s)
     step_s = float(np.median(np.diff(t_s)))
-    return savgol_filter(values, samples, 2, deriv=1, delta=step_s)
+    signal = scientific("signal", "traffic of recorded trips")
+    return signal.savgol_filter(values, samples, 2, deriv=1, delta=step_s)

@@ -23,10 +23,12 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from modelcast.core.compiling import Compiling, watch
 from modelcast.core.exceptions import ConfigError, MissingExtraError
 from modelcast.corpora.executors.base import TRIES, AbstractCrew, AbstractExecutor, Failed, LostWorkerError
 from modelcast.corpora.executors.memory import processes_within
 from modelcast.corpora.executors.one_thread import ONE_THREAD
+from modelcast.corpora.executors.undisturbed import undisturbed
 from modelcast.corpora.executors.versions import PACKAGES, difference, own_versions, worker_versions
 
 try:
@@ -113,7 +115,9 @@ class ClusterExecutor(AbstractExecutor):
         with ExitStack() as stack:
             if self._local:
                 stack.enter_context(dask.config.set(_LOCAL_SETTINGS))
-                where: Any = stack.enter_context(_local_cluster(self._local, self.worker_bytes))
+                with undisturbed():
+                    cluster = _local_cluster(self._local, self.worker_bytes)
+                where: Any = stack.enter_context(cluster)
             else:
                 where = self.address
             client = stack.enter_context(_client(where, self.address))
@@ -278,4 +282,9 @@ def _require_same(worker: str, theirs: Mapping[str, str], ours: Mapping[str, str
 def _checked(versions: Mapping[str, str], function: Callable[[Work], Found], one: Work) -> Found:
     """What a function gives on a worker that may have come later than the check."""
     _require_same(get_worker().address, worker_versions(), versions)
+    watch(_unheard)
     return function(one)
+
+
+def _unheard(_: Compiling) -> None:
+    """Takes what is compiled on a worker, whose terminal is another's."""

@@ -18,10 +18,12 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from modelcast.core.compiling import Compiling, hear, watch
 from modelcast.core.exceptions import ConfigError, ModelcastError
 from modelcast.corpora.executors.base import TRIES, AbstractCrew, AbstractExecutor, Failed, LostWorkerError
 from modelcast.corpora.executors.memory import LIMITED, limit_memory, processes_within
 from modelcast.corpora.executors.one_thread import one_thread_processes
+from modelcast.corpora.executors.undisturbed import end_with_parent, undisturbed
 
 __all__ = ["ProcessCrew", "ProcessExecutor"]
 
@@ -114,9 +116,8 @@ class ProcessCrew(AbstractCrew):
                     busy[self._given(function, task[0])] = task
                 if not busy:
                     return
-                for worker in _heard(busy):
-                    one, tries = busy.pop(worker)
-                    answer = worker.answer()
+                for worker, said in _answers(busy):
+                    (one, tries), answer = busy.pop(worker), said
                     if not isinstance(answer, _Lost):
                         self._idle.append(worker)
                     elif tries < TRIES:
@@ -176,7 +177,7 @@ class _Worker:
     def __init__(self, memory_bytes: int | None) -> None:
         self.pipe, theirs = _SPAWN.Pipe()
         self._process = _SPAWN.Process(target=_serve, args=(theirs, memory_bytes), daemon=True)
-        with one_thread_processes({} if memory_bytes is None else LIMITED):
+        with one_thread_processes({} if memory_bytes is None else LIMITED), undisturbed():
             self._process.start()
         theirs.close()
 
@@ -185,7 +186,7 @@ class _Worker:
         self.pipe.send_bytes(pickle.dumps((function, one)))
 
     def answer(self) -> object:
-        """What it answers; `_Lost` where it has died."""
+        """What it answers; `_Lost` where it has died, `Compiling` where it has only begun to."""
         try:
             return pickle.loads(self.pipe.recv_bytes())  # noqa: S301 - our own process
         except (EOFError, OSError):
@@ -202,10 +203,16 @@ class _Worker:
         self._process.close()
 
 
-def _heard(workers: Iterable[_Worker]) -> list[_Worker]:
-    """Workers that have answered or died; waits for the first."""
+def _answers(workers: Iterable[_Worker]) -> Iterator[tuple[_Worker, object]]:
+    """Workers that have answered or died, and how; waits for the first to say anything."""
     by_pipe = {worker.pipe: worker for worker in workers}
-    return [by_pipe[cast("Connection[Any, Any]", pipe)] for pipe in wait(list(by_pipe))]
+    for pipe in wait(list(by_pipe)):
+        worker = by_pipe[cast("Connection[Any, Any]", pipe)]
+        answer = worker.answer()
+        if isinstance(answer, Compiling):
+            hear(answer)
+        else:
+            yield worker, answer
 
 
 def _ended(code: int | None) -> str:
@@ -218,10 +225,10 @@ def _ended(code: int | None) -> str:
 
 def _serve(pipe: "Connection[Any, Any]", memory_bytes: int | None) -> None:
     """Answer one piece of work after another, until the other end is closed."""
-    signal.signal(
-        signal.SIGINT, signal.SIG_IGN
-    )  # a terminal sends it to all: the first process ends the others
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # also where the parent could not block it
+    end_with_parent()
     limit_memory(memory_bytes)
+    watch(lambda one: pipe.send_bytes(pickle.dumps(one)))
     with suppress(EOFError, OSError):
         while True:
             pipe.send_bytes(_answered(pipe.recv_bytes()))

@@ -4,8 +4,9 @@ import hashlib
 import platform
 from collections.abc import Mapping
 from functools import cache
-from importlib import metadata
 from pathlib import Path
+
+from modelcast.core.version import installed_versions
 
 __all__ = ["PACKAGES", "difference", "own_versions", "source_digest", "worker_versions"]
 
@@ -18,9 +19,9 @@ _SHOWN = 12
 
 @cache
 def own_versions() -> Mapping[str, str]:
-    """Versions of Python and `PACKAGES` in this process, by name."""
+    """Versions of Python and `PACKAGES` in this process, by name; ``none`` where one is not installed."""
     python = ".".join(platform.python_version_tuple()[:2])
-    return {"python": python, **{name: metadata.version(name) for name in PACKAGES}}
+    return {"python": python, **dict.fromkeys(PACKAGES, _MISSING), **installed_versions(PACKAGES)}
 
 
 @cache

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from modelcast.core.doing import doing
 from modelcast.report.figures.distribution import plot_distribution
 from modelcast.report.figures.loss import plot_loss
 from modelcast.report.figures.manoeuvre import plot_manoeuvre
@@ -150,6 +151,7 @@ def drawn(name: str, figure: Figure) -> Drawing:
     figure
         The figure; it is not to be changed afterwards.
     """
+    doing(name)
     png, svg, pdf = io.BytesIO(), io.BytesIO(), io.BytesIO()
     # With a layout engine in place, Matplotlib would lay out and draw each file twice.
     engine = figure.get_layout_engine()

@@ -1,6 +1,7 @@
-// Every figure opens in a dialog as wide as it needs: by tap, by Enter, and it closes by Escape.
+// Every figure opens in a dialog: by tap, by Enter; Escape closes it. On a desk all of it is in sight; where the
+// window is narrow it is larger than the window and scrolls, so that its small print can be read.
 
-const LEAST_PX = 1000;
+const NARROW_PX = 700, MAGNIFIED = 1.6;
 
 const startEnlarging = () => {
   const figures = [...document.querySelectorAll("figure > img")];
@@ -31,10 +32,12 @@ const startEnlarging = () => {
     button.append(image);
     button.addEventListener("click", () => {
       const large = image.cloneNode();
-      large.style.width = `max(100%, ${LEAST_PX}px)`;
       scroller.replaceChildren(large);
       dialog.setAttribute("aria-label", title);
       dialog.showModal();
+      const { clientWidth: wide, clientHeight: tall } = scroller;
+      const fitting = Math.min(wide, tall * image.naturalWidth / image.naturalHeight);
+      large.style.width = `${wide < NARROW_PX ? Math.max(fitting, MAGNIFIED * image.naturalWidth) : fitting}px`;
     });
   });
 };

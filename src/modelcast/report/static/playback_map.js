@@ -1,6 +1,6 @@
 // The trip from above: the true path, the vehicle, where each receiver believes it to be, messages beside the path.
 
-const CAR_M = [4.6, 1.8], FIRST_SIGHT_M = 24, TRAIL_S = 3, LANE_PX = 7;
+const CAR_M = [4.6, 1.8], FIRST_SIGHT_M = 24, TRAIL_S = 3, FRESH_S = 0.35, LANE_PX = 7, SMALL_PX_PER_M = 1.5;
 const INK = "#222222", PATH = "#9a9a9a", GRID = "#e6e6e6", SOFT = "#555555";
 
 // A round number of metres at least so many.
@@ -79,19 +79,25 @@ const makeMap = (canvas, trip, state) => {
   // A sign beside the path for every message up to now, a lane a sender; hollow where it was lost.
   const drawMessages = () => {
     const runs = state.runs();
+    context.lineWidth = 1.2;
     runs.forEach((run, sender) => {
       const aside = (sender - (runs.length - 1) / 2) * LANE_PX + (runs.length === 1 ? LANE_PX : 0);
+      const filled = new Path2D(), hollow = new Path2D();
       for (let at = lastAt(run.sent, state.t + 1e-6); at >= 0; at--) {
-        const [x, y] = toPixels(trip.truthAt(run.sent[at]));
+        const { place, across } = run.marks[at];
+        const [x, y] = toPixels(place);
         if (x < -20 || y < -20 || x > width + 20 || y > height + 20) continue;
-        const course = trip.courseAt(run.sent[at]);
-        const fresh = state.t - run.sent[at] < 0.35;
-        context.beginPath();
-        context.arc(x + aside * Math.cos(course), y + aside * Math.sin(course), fresh ? 6 : 2.6, 0, 2 * Math.PI);
-        context.strokeStyle = context.fillStyle = trip.senders[sender].colour;
-        context.lineWidth = 1.2;
-        if (run.lost[at]) context.stroke(); else context.fill();
+        const fresh = state.t - run.sent[at] < FRESH_S, into = run.lost[at] ? hollow : filled;
+        const left = x + aside * across[0], top = y + aside * across[1], wide = fresh ? 6 : 2.6;
+        if (scale < SMALL_PX_PER_M && !fresh) into.rect(left - 1, top - 1, 2, 2);
+        else {
+          into.moveTo(left + wide, top);
+          into.arc(left, top, wide, 0, 2 * Math.PI);
+        }
       }
+      context.strokeStyle = context.fillStyle = trip.senders[sender].colour;
+      context.fill(filled);
+      context.stroke(hollow);
     });
   };
 
@@ -250,6 +256,7 @@ const makeMap = (canvas, trip, state) => {
     else return;
     event.preventDefault();
   });
+  resize();
   new ResizeObserver(() => { resize(); draw(); }).observe(canvas);
   return { draw, zoom, whole };
 };

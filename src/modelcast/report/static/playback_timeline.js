@@ -1,6 +1,7 @@
 // The tracking errors over time (uPlot), and below them a row of messages a sender.
 
-const ROW_PX = 14, AXIS_PX = 56, SPAN_S = 30;
+const ROW_PX = 14, AXIS_PX = 56, SPAN_S = 30, BETWEEN_PX = 16;
+const ERRORS_M = [0, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
 const DASHES = [[], [6, 3], [2, 3]];
 
 const makeTimeline = (place, trip, state) => {
@@ -18,6 +19,16 @@ const makeTimeline = (place, trip, state) => {
   const rowsOf = () => [t, ...state.runs().map((run) => withGaps(run.error)), t.map(() => trip.threshold)];
   const metres = (value) => (value === null || value === undefined ? "–" : `${value.toFixed(2)} m`);
   let plot = null;
+  // Round errors up to the largest, as far apart as their figures need.
+  const marksOf = (self) => {
+    const found = [];
+    for (const mark of ERRORS_M) {
+      if (mark > self.scales.y.max) break;
+      const last = found[found.length - 1];
+      if (last === undefined || self.valToPos(last, "y") - self.valToPos(mark, "y") >= BETWEEN_PX) found.push(mark);
+    }
+    return found;
+  };
   const head = document.createElement("div");
   head.className = "playback-head";
   const options = {
@@ -28,11 +39,15 @@ const makeTimeline = (place, trip, state) => {
     cursor: { y: false, drag: { x: true, y: false, setScale: true }, points: { size: 7 } },
     scales: {
       x: { time: false },
-      y: { range: (_, __, most) => [0, Math.max(most || 0, 2 * trip.threshold) * 1.05] },
+      // Straight up to two thresholds, logarithmic beyond: losses make errors of many metres.
+      y: { distr: 4, asinh: 2 * trip.threshold, range: (_, __, most) => [0, Math.max(most || 0, 2 * trip.threshold) * 1.05] },
     },
     axes: [
       { label: "Time [s]", labelSize: 18, size: 34, stroke: INK, grid: { stroke: GRID }, ticks: { stroke: GRID } },
-      { label: "Tracking error [m]", labelSize: 18, size: AXIS_PX - 18, stroke: INK, grid: { stroke: GRID }, ticks: { stroke: GRID } },
+      {
+        label: "Tracking error [m]", labelSize: 18, size: AXIS_PX - 18, stroke: INK, grid: { stroke: GRID }, ticks: { stroke: GRID },
+        splits: (self) => marksOf(self), values: (_, marks) => marks.map(String), filter: (_, marks) => marks,
+      },
     ],
     series: [
       {},

@@ -40,7 +40,12 @@ const readTrip = (given) => {
     const error = offEast.map((one, at) => (one === null ? null : Math.hypot(one, offNorth[at])));
     const sent = summed(run.sent_ms, 1e-3), lost = [...run.lost].map((one) => one === "1");
     const heard = sent.filter((_, at) => !lost[at]);
-    return { offEast, offNorth, error, sent, lost, heard, what: run.what, member: run.member };
+    // Where the vehicle was at each message, and the direction across its course on the screen.
+    const marks = sent.map((at_s) => {
+      const course = courseAt(at_s);
+      return { place: truthAt(at_s), across: [Math.cos(course), Math.sin(course)] };
+    });
+    return { offEast, offNorth, error, sent, lost, heard, marks, what: run.what, member: run.member };
   };
   const channels = given.channels.map((one) => ({ ratio: one.packet_error_ratio, runs: one.runs.map(readRun) }));
   // What a receiver holds at a time: where it believes the sender to be, by what, and how old that is.

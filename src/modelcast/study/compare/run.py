@@ -6,6 +6,7 @@ import numpy as np
 
 from modelcast.core.arrays import IntArray
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.near_names import near
 from modelcast.study.compare.candidate import AbstractCandidate
 from modelcast.study.compare.result import (
     COUNTS,
@@ -172,7 +173,8 @@ def checked_reference(candidates: Sequence[AbstractCandidate], settings: Compare
         raise ConfigError(f"two candidates are named {repeated[0]}: name each once")
     against = names[0] if settings.against is None else settings.against
     if against not in names:
-        raise ConfigError(f"no candidate is named '{against}'; there are {', '.join(names)}")
+        known = f"there are {', '.join(names)}: name one of them, or compare it too"
+        raise ConfigError(f"no candidate is named '{against}'{near(against, names)}; {known}")
     return against
 
 

@@ -6,9 +6,10 @@ stand two sentences that the paper does not say (`modelcast.study.paper.beside_f
 """
 
 from collections.abc import Sequence
+from math import sqrt
+from statistics import NormalDist
 
 import numpy as np
-from scipy import stats
 
 from modelcast.core.arrays import FloatArray
 from modelcast.study.paper.beside_free import BESIDE, beside_free
@@ -291,8 +292,8 @@ def _manoeuvres(readings: Sequence[ReadingResult]) -> ClaimRow:
         longer, shorter = wins(found)
         if not longer + shorter:
             return "not shown"
-        interval = stats.binomtest(longer, longer + shorter).proportion_ci(0.95, "wilson")
-        return "holds" if interval.low > 0.5 else "fails" if interval.high < 0.5 else "not shown"
+        low, high = _wilson_limits(longer, longer + shorter)
+        return "holds" if low > 0.5 else "fails" if high < 0.5 else "not shown"
 
     plain = readings[0].rows.complement
     shown = "no manoeuvre found"
@@ -317,3 +318,12 @@ def _manoeuvres(readings: Sequence[ReadingResult]) -> ClaimRow:
         shown_in="manoeuvre",
         command=COMMAND,
     )
+
+
+def _wilson_limits(wins: int, trials: int) -> tuple[float, float]:
+    """95 % limits of a share, after E. B. Wilson (1927)."""
+    reach = NormalDist().inv_cdf(0.975)
+    share, spread = wins / trials, reach**2 / trials
+    centre = share + 0.5 * spread
+    half = sqrt(spread * (share * (1.0 - share) + 0.25 * spread))
+    return (centre - half) / (1.0 + spread), (centre + half) / (1.0 + spread)

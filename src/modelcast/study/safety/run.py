@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.near_names import near
 from modelcast.study.compare.candidate import FixedCandidate
 from modelcast.study.safety.film import EventFilm, film_event, telling_event
 from modelcast.study.safety.pairs import Recording, recordings_of
@@ -51,7 +52,9 @@ def evaluate_safety(
     against, budget = settings.against or names[0], settings.budget or names[-1]
     for name in (against, budget):
         if name not in names:
-            raise ConfigError(f"no candidate is named {name!r}; there are {', '.join(names)}")
+            raise ConfigError(
+                f"no candidate is named {name!r}{near(name, names)}; there are {', '.join(names)}"
+            )
     recordings = recordings_of(trips)
     scores: list[RecordingScores] = []
     for recording in recordings:

@@ -14,9 +14,9 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import minimize
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.scientific import scientific
 from modelcast.models.base import AbstractSubModel
 from modelcast.study.training.families import AbstractFamily
 from modelcast.study.training.windows import TrainingWindows, survival_s
@@ -155,7 +155,8 @@ def _search(
     start = np.clip(start, low, high)
     edge = np.where(start + 0.5 <= high, 0.5, -0.5)
     simplex = np.vstack([start, start + np.diag(edge)])
-    found = minimize(
+    optimize = scientific("optimize", "training hyper-parameters", "train")
+    found = optimize.minimize(
         objective,
         start,
         method="Nelder-Mead",

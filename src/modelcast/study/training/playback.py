@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from modelcast.core.arrays import FloatArray
 from modelcast.core.geodesy import wrap_angle_rad
+from modelcast.core.scientific import scientific
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["AS_RECORDED", "DEFAULT_PLAYBACKS", "Playback", "play"]
@@ -111,7 +111,8 @@ def _part(trip: Trajectory, rows: slice, how: Playback) -> dict[str, FloatArray]
     t_s = at_s[0] + trip.dt_s * np.arange(count)
     position_m = trip.position_m[rows][order] * how.stretch**2
     if count > 1:
-        position_m = CubicSpline(at_s, position_m)(t_s)
+        interpolate = scientific("interpolate", "training on trips played at another speed", "train")
+        position_m = interpolate.CubicSpline(at_s, position_m)(t_s)
     found = {"t_s": t_s, "position_m": position_m[:count]}
     if trip.speed_mps is not None:
         found["speed_mps"] = np.interp(t_s, at_s, trip.speed_mps[rows][order] * how.stretch)

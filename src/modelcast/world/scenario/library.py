@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.geodesy import wrap_angle_rad
+from modelcast.core.scientific import scientific
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world.scenario.base import STEP_S, AbstractScenario, FleetFrame
 from modelcast.world.scenario.bounds import check_positive, vehicle_count
@@ -210,7 +210,7 @@ def _parts(trip: Trajectory) -> list[FloatArray]:
 
 def _along_lane(position_m: FloatArray, speed_mps: FloatArray) -> FloatArray:
     """Return one part's rows; speed, course, acceleration and yaw rate are derivatives of the first two."""
-    pace = gaussian_filter1d(np.maximum(speed_mps, 0.0), _FINE_S / STEP_S, mode="nearest")
+    pace = _blurred(np.maximum(speed_mps, 0.0), _FINE_S)
     fine = _smoothed(position_m, _FINE_S)
     smooth = _smoothed(position_m, _SMOOTH_S)
     forward = np.gradient(smooth, STEP_S, axis=0)
@@ -218,7 +218,7 @@ def _along_lane(position_m: FloatArray, speed_mps: FloatArray) -> FloatArray:
     left = (forward[:, 0] * off[:, 1] - forward[:, 1] * off[:, 0]) / np.maximum(
         np.hypot(forward[:, 0], forward[:, 1]), _SLOW_MPS
     )
-    spread = gaussian_filter1d(left**2, _SMOOTH_S / STEP_S, mode="nearest")
+    spread = _blurred(left**2, _SMOOTH_S)
     left = left / np.sqrt(1.0 + spread / _WIDEST_M**2)
     # below _SLOW_MPS a car moves sideways less and less: its course stays bounded down to standstill
     slope = np.gradient(left, STEP_S) / np.maximum(pace, _SLOW_MPS)
@@ -238,4 +238,10 @@ def _smoothed(position_m: FloatArray, std_s: float) -> FloatArray:
     before = 2.0 * position_m[0] - position_m[reach:0:-1]
     after = 2.0 * position_m[-1] - position_m[-2 : -2 - reach : -1]
     padded = np.concatenate([before, position_m, after])
-    return gaussian_filter1d(padded, std_s / STEP_S, axis=0)[reach : reach + len(position_m)]
+    return _blurred(padded, std_s, mode="reflect")[reach : reach + len(position_m)]
+
+
+def _blurred(values: FloatArray, std_s: float, mode: str = "nearest") -> FloatArray:
+    """Return values smoothed in time by a Gaussian, along the first axis."""
+    filters = scientific("ndimage", "traffic of recorded trips")
+    return filters.gaussian_filter1d(values, std_s / STEP_S, axis=0, mode=mode)

@@ -14,9 +14,9 @@ https://doi.org/10.1109/TSP.2010.2102756
 from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
-from scipy.special import multigammaln
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.scientific import scientific
 
 __all__ = ["ModePrior", "Posterior", "mode_sums", "step_densities"]
 
@@ -107,7 +107,10 @@ class ModePrior:
         size = np.linalg.slogdet(after.precision).logabsdet - np.log(self.precision).sum()
         before = self.degrees * np.linalg.slogdet(self.degrees * self.scale).logabsdet
         later = after.degrees * np.linalg.slogdet(after.scale).logabsdet
-        gamma = multigammaln(0.5 * after.degrees, _AXES) - multigammaln(0.5 * self.degrees, _AXES)
+        special = scientific("special", "training switching models", "train")
+        gamma = special.multigammaln(0.5 * after.degrees, _AXES) - special.multigammaln(
+            0.5 * self.degrees, _AXES
+        )
         return -0.5 * _AXES * (count * np.log(np.pi) + size) + gamma + 0.5 * (before - later)
 
 

@@ -15,9 +15,9 @@ from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
-from scipy.special import gammaln
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
+from modelcast.core.scientific import scientific
 from modelcast.models.switching import MOST_MODES
 from modelcast.study.training.switching.prior import ModePrior, mode_sums, step_densities
 from modelcast.study.training.switching.sequences import Sequences
@@ -201,7 +201,8 @@ def _score(path: IntArray, data: Sequences, shares: FloatArray, settings: Sample
 
 
 def _log_gamma(values: FloatArray) -> FloatArray:
-    return np.asarray(gammaln(values), dtype=np.float64)
+    special = scientific("special", "training switching models", "train")
+    return np.asarray(special.gammaln(values), dtype=np.float64)
 
 
 def _served(

@@ -1,0 +1,109 @@
+"""Every table in a page is made by a registered command, and numbers in prose are those of the tables."""
+
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "validation"))
+from figures import blocks_made, blocks_of_pages, loose_in_pages, makers
+from prose_numbers import loose_numbers
+
+sys.path.pop(0)
+
+ROOT = Path(__file__).parents[2]
+LOOSE = {
+    "README.md": 7,
+    "docs/applications.md": 9,
+    "docs/cam.md": 8,
+    "docs/capacity.md": 6,
+    "docs/channel.md": 7,
+    "docs/corpora-cluster.md": 11,
+    "docs/corpora.md": 5,
+    "docs/cruise.md": 2,
+    "docs/curves.md": 1,
+    "docs/decisions/029-free-model.md": 14,
+    "docs/formats.md": 41,
+    "docs/grants.md": 2,
+    "docs/mixed.md": 14,
+    "docs/network-table.md": 4,
+    "docs/network.md": 67,
+    "docs/node.md": 10,
+    "docs/people-cost.md": 13,
+    "docs/people.md": 7,
+    "docs/results.md": 19,
+    "docs/safety.md": 3,
+    "docs/security.md": 8,
+    "docs/serve.md": 7,
+    "docs/wire.md": 7,
+    "validation/README.md": 11,
+}
+"""Numbers in prose that no block of their page has and no setting explains: what may only become fewer.
+
+``python validation/figures.py --numbers`` names them. To take one away, put it into a block that a script
+makes, or say it without a number; where a page has fewer now, lower its count here.
+"""
+
+
+def test_every_block_of_a_page_is_made_by_one_registered_command() -> None:
+    made = [(page, name) for page, name, _ in blocks_made()]
+    assert Counter(blocks_of_pages()) == Counter(made)
+
+
+def test_every_registered_command_takes_what_it_is_called_with() -> None:
+    for maker in makers():
+        text = (ROOT / maker.script).read_text(encoding="utf-8")
+        assert ('"--check"' in text) is maker.checks, maker.script
+        assert not maker.writes or all(f'"{word}"' in text for word in maker.writing), maker.script
+        assert maker.takes in {"seconds", "minutes", "hours"}, maker.script
+
+
+def test_loose_numbers_only_become_fewer() -> None:
+    found = {page: len(loose) for page, loose in loose_in_pages().items()}
+    assert {page: count for page, count in found.items() if count > LOOSE.get(page, 0)} == {}
+
+
+PAGE = """\
+It saves {saved} % at a threshold of 20 cm, p90 {p90} m, over 1,200 m of road.
+
+<!-- begin gains -->
+| saved | p90 |
+|---|---|
+| 42 | 1.58 |
+<!-- end gains -->
+
+{mark}
+It saves 42 %.
+
+<!-- begin others -->
+| 7 |
+<!-- end others -->
+"""
+SCRIPT = "THRESHOLD_M, LENGTH_M = 0.20, 1200.0"
+
+
+@pytest.mark.parametrize(
+    ("saved", "p90", "mark", "loose"),
+    [
+        ("42", "1.58", "", []),
+        ("43", "1.58", "", ["43 %"]),
+        ("42", "1.6", "", ["1.6 m"]),
+        ("42", "1.58", "<!-- from gains -->", []),
+        ("42", "1.58", "<!-- from others -->", ["42 %"]),
+        ("42", "1.58", "<!-- from gains, others -->", []),
+    ],
+)
+def test_prose_that_a_table_has_overtaken_is_found(saved: str, p90: str, mark: str, loose: list[str]) -> None:
+    page = PAGE.format(saved=saved, p90=p90, mark=mark)
+    assert [one.text for one in loose_numbers(page, [SCRIPT])] == loose
+
+
+def test_settings_are_those_of_the_script_in_any_unit_of_length() -> None:
+    page = PAGE.format(saved="42", p90="1.58", mark="")
+    assert [one.text for one in loose_numbers(page, ["nothing is said here"])] == ["20 cm", "1,200 m"]
+
+
+def test_a_mark_that_names_no_block_is_an_error() -> None:
+    with pytest.raises(ValueError, match="no block gone"):
+        loose_numbers("<!-- from gone -->\nIt is 3 %.\n", [])
