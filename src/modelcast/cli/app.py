@@ -17,12 +17,12 @@ from typing import Any
 from cyclopts import App, CycloptsError, Group
 
 from modelcast.cli.command_list import COMMAND_GROUPS, COMMANDS, FIRST_STEPS, list_commands
-from modelcast.cli.signals import INTERRUPTED, TERMINATED, Terminated, taken
+from modelcast.cli.signals import INTERRUPTED, TERMINATED, Terminated, heeded, taken
 from modelcast.cli.terminal import complain, say
 from modelcast.cli.usage import usage_problem
 from modelcast.core.exceptions import ModelcastError, ModelcastWarning
 
-__all__ = ["BROKEN_PIPE", "COMMANDS", "USAGE", "run"]
+__all__ = ["BROKEN_PIPE", "USAGE", "app", "run"]
 
 _REMEDIES = {
     errno.ENOENT: ". Check the path.",
@@ -111,6 +111,7 @@ def _run(arguments: Sequence[str]) -> int:
 
 def _interrupted(error: BaseException | None) -> int:
     """Say that the command was interrupted, and what is left of its work: the notes of the exception."""
+    heeded()
     terminated = isinstance(error, Terminated) or taken() == signal.SIGTERM
     complain(
         "; ".join(("ended by SIGTERM" if terminated else "interrupted", *getattr(error, "__notes__", ())))
