@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from modelcast.cli.app import COMMANDS, app, run
-from modelcast.cli.command_list import COMMAND_GROUPS, FIRST_STEPS
+from modelcast.cli.app import app, run
+from modelcast.cli.command_list import COMMAND_GROUPS, COMMANDS, FIRST_STEPS
 
 WIDEST_LINE = 66
 """So that a line of a command fits beside its name in 80 columns."""

@@ -8,7 +8,8 @@ import pytest
 from tests.cli.wrong_uses import GROUPS, WrongUse, made_files
 from tests.cli.wrong_uses_answers import PAGE, Answer, answered, page
 
-from modelcast.cli.app import COMMANDS, app
+from modelcast.cli.app import app
+from modelcast.cli.command_list import COMMANDS
 
 USES = [use for uses in GROUPS.values() for use in uses]
 MOST_LINES = 3

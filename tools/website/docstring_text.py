@@ -1,7 +1,7 @@
 """A Sphinx extension: docstrings and signatures read as their authors wrote them.
 
 The first line of a property may have a colon without naming a type. Annotations are evaluated, and no longer
-tell the names of arrays and bounds: arrays are ``NDArray`` of a kind again, and bounds, which the text has, are
+tell the names of arrays and bounds: arrays are ``NDArray`` of a kind again; bounds, which the text has, are
 left out.
 """
 

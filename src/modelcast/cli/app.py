@@ -22,7 +22,7 @@ from modelcast.cli.terminal import complain, say
 from modelcast.cli.usage import usage_problem
 from modelcast.core.exceptions import ModelcastError, ModelcastWarning
 
-__all__ = ["BROKEN_PIPE", "COMMANDS", "USAGE", "run"]
+__all__ = ["BROKEN_PIPE", "USAGE", "app", "run"]
 
 _REMEDIES = {
     errno.ENOENT: ". Check the path.",
