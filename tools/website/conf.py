@@ -20,6 +20,7 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
     "public_references",
+    "docstring_text",
     "accessible",
 ]
 exclude_patterns = ["_build"]
@@ -42,6 +43,7 @@ add_module_names = False
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_preprocess_types = False
+napoleon_attr_annotations = False
 maximum_signature_line_length = 88
 toc_object_entries_show_parents = "hide"
 
@@ -51,6 +53,7 @@ html_static_path = ["static"]
 templates_path = ["templates"]
 html_css_files = ["site.css"]
 html_js_files = ["copy.js"]
+html_favicon = "../../src/modelcast/dashboard/static/icon.svg"
 html_copy_source = False
 html_show_sourcelink = False
 html_use_index = False
