@@ -25,7 +25,7 @@ test: lint
 	$(MAKE) --no-print-directory --jobs=2 types test-only
 
 test-only: setup-dev
-	$(BIN)/python -m pytest -n auto --dist worksteal
+	$(BIN)/python -m pytest -n auto --dist worksteal --junitxml=out/test-times.xml
 
 # What is slow: a wheel installed, upgraded and run, processes that race on a cold cache.
 verify: setup-dev

@@ -11,8 +11,9 @@ from _pytest.doctest import DoctestModule
 
 def pytest_configure(config: pytest.Config) -> None:
     """Let JAX keep what it compiled: a network trained a second time is else compiled a second time."""
-    if config.cache is not None:
-        os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(config.cache.mkdir("jax")))
+    kept = getattr(config, "cache", None)  # none where pytest is told to keep nothing
+    if kept is not None:
+        os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(kept.mkdir("jax")))
         os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.05")
 
 

@@ -43,6 +43,9 @@ if TYPE_CHECKING:
     from modelcast.core.exceptions import DataFormatError as DataFormatError
     from modelcast.core.exceptions import MissingExtraError as MissingExtraError
     from modelcast.core.exceptions import ModelcastError as ModelcastError
+    from modelcast.core.exceptions import ModelcastWarning as ModelcastWarning
+    from modelcast.core.exceptions import PolicyError as PolicyError
+    from modelcast.core.exceptions import SubModelError as SubModelError
     from modelcast.core.kinds import Kind as Kind
     from modelcast.dashboard.document import snapshot_text as snapshot_text
     from modelcast.dashboard.meter import MessageMeter as MessageMeter
@@ -232,6 +235,7 @@ _HOMES = {
     "Mix": "runtime.fleet.mix",
     "ModelUpdate": "messages.mbc",
     "ModelcastError": "core.exceptions",
+    "ModelcastWarning": "core.exceptions",
     "Motion": "station.policy.base",
     "MotionSource": "node.inputs.motion_source",
     "Motions": "apps.motions",
@@ -249,6 +253,7 @@ _HOMES = {
     "PlatoonTrace": "runtime.platoon.drive",
     "Platoons": "world.platoon.platoons",
     "Plausibility": "station.receiver.plausibility",
+    "PolicyError": "core.exceptions",
     "PrivateKey": "messages.security.p256",
     "Profile": "models.profile",
     "Rbf": "models.gp.kernels.rbf",
@@ -266,6 +271,7 @@ _HOMES = {
     "Station": "station.station",
     "Step": "runtime.external.exchange",
     "StepClient": "node.serving.client",
+    "SubModelError": "core.exceptions",
     "SubModelIdentification": "messages.mbc",
     "Table": "study.table",
     "Tally": "io.base",
@@ -347,7 +353,8 @@ def __getattr__(name: str) -> Any:
         return importlib.import_module("modelcast.core.version").package_version()
     if name not in _HOMES:
         now = importlib.import_module("modelcast.core.renamed").RENAMED.get(name)
-        became = f": since 0.2.0 it is {now} (docs/upgrading.md)" if now else ""
+        near = importlib.import_module("modelcast.core.near_names").near
+        became = f": since 0.2.0 it is {now} (docs/upgrading.md)" if now else near(name, _HOMES)
         raise AttributeError(f"module 'modelcast' has no attribute {name!r}{became}")
     return getattr(importlib.import_module(f"modelcast.{_HOMES[name]}"), name)
 

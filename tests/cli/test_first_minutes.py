@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from modelcast.cli import installation, kernel_cache
-from modelcast.cli.app import BROKEN_PIPE, COMMANDS, run
+from modelcast.cli.app import BROKEN_PIPE, run
+from modelcast.cli.command_list import COMMANDS
 from modelcast.cli.signals import INTERRUPTED
 from modelcast.core.exceptions import MissingExtraError
 from modelcast.core.extras import EXTRAS

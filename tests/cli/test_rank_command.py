@@ -116,7 +116,10 @@ def test_what_cannot_be_done_is_refused_before_the_work(
     assert problem in capsys.readouterr().err
 
 
-def test_the_table_fits_eighty_columns(corpus: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_table_fits_eighty_columns(
+    corpus: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
     assert run(["trips", "--rank", str(corpus)]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 80

@@ -77,6 +77,7 @@ def test_claims_are_a_table_for_programs_too(done: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_processes_and_repetition_change_no_byte(drives: list[Path], done: Path, tmp_path: Path) -> None:
     again = tmp_path / "again"
     words = ["reproduce", "paper", *map(str, drives), *SMALL, "--jobs", "2", "--quiet"]
@@ -84,17 +85,6 @@ def test_processes_and_repetition_change_no_byte(drives: list[Path], done: Path,
     for path in sorted(done.rglob("*")):
         if path.is_file():
             assert (again / path.relative_to(done)).read_bytes() == path.read_bytes(), path.name
-
-
-def test_a_terminal_shows_claims_and_readings(
-    drives: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = ["reproduce", "paper", str(drives[0]), "--threshold", "0.5", "--per", "0.4", "--seeds", "1"]
-    assert run([*words, "--jobs", "1", "--out", str(tmp_path / "out")]) == 0
-    shown = capsys.readouterr().out
-    assert "fewer messages" in shown
-    assert "rate basis: all messages" in shown
-    assert str(tmp_path / "out" / "report.html") in shown.replace("\n", "")
 
 
 @pytest.mark.parametrize(
@@ -135,10 +125,16 @@ def test_mistakes_are_named(
     assert not (tmp_path / "out").exists()
 
 
-def test_the_richest_trip_is_picked_and_the_others_are_named(drives: list[Path], tmp_path: Path) -> None:
+def test_the_richest_trip_is_picked_the_others_are_named_and_a_terminal_shows_claims_and_readings(
+    drives: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "out"
     words = ["reproduce", "paper", *map(str, drives), "--threshold", "0.5", "--per", "0.4", "--seeds", "1"]
-    assert run([*words, "--pick", "--jobs", "1", "--quiet", "--out", str(out)]) == 0
+    assert run([*words, "--pick", "--jobs", "1", "--out", str(out)]) == 0
+    shown = capsys.readouterr().out
+    assert "fewer messages" in shown
+    assert "rate basis: all messages" in shown
+    assert str(out / "report.html") in shown.replace("\n", "")
     summary = json.loads((out / "summary.json").read_text())
     ranked = [sum(one["counts"].values()) for one in summary["manoeuvres"]]
     assert ranked == sorted(ranked, reverse=True)
@@ -148,6 +144,7 @@ def test_the_richest_trip_is_picked_and_the_others_are_named(drives: list[Path],
     assert f"picked {first}: {ranked[0]} manoeuvres, the most of 2 trips" in (out / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_traffic_is_run_beside_the_report_and_taken_up_again(drives: list[Path], tmp_path: Path) -> None:
     words = ["reproduce", "paper", str(drives[0]), "--threshold", "0.5", "--per", "0.4", "--seeds", "1"]
     words += ["--jobs", "1", "--quiet", "--traffic", "--traffic-density", "2", "--out", str(tmp_path / "out")]

@@ -77,12 +77,13 @@ def test_a_local_cluster_listens_on_loopback_alone_and_with_certificates() -> No
     assert listening(us) == before
 
 
+@pytest.mark.slow
 def test_a_cluster_of_others_is_used_by_its_address() -> None:
     with other_cluster(2) as address, ClusterExecutor(address).start() as crew:
         assert sorted(crew.as_done(doubled, range(4))) == [(0, 0), (1, 2), (2, 4), (3, 6)]
 
 
-@pytest.mark.parametrize("package", ["numpy", "modelcast"])
+@pytest.mark.parametrize("package", ["numpy", pytest.param("modelcast", marks=pytest.mark.slow)])
 def test_a_worker_of_another_version_is_refused_by_name(tmp_path: Path, package: str) -> None:
     about = tmp_path / f"{package}-0.0.1.dist-info"
     about.mkdir()
@@ -94,6 +95,7 @@ def test_a_worker_of_another_version_is_refused_by_name(tmp_path: Path, package:
     assert said.endswith(": install the same on all machines")
 
 
+@pytest.mark.slow
 def test_a_worker_of_another_version_that_joins_later_ends_the_run_by_name(tmp_path: Path) -> None:
     about = tmp_path / "numpy-0.0.1.dist-info"
     about.mkdir()
@@ -106,6 +108,7 @@ def test_a_worker_of_another_version_that_joins_later_ends_the_run_by_name(tmp_p
                 list(crew.as_done(doubled, range(50)))
 
 
+@pytest.mark.slow
 def test_a_worker_of_other_sources_under_the_same_version_is_refused_by_name(tmp_path: Path) -> None:
     folder = Path(modelcast.__file__).parent
     shutil.copytree(folder, tmp_path / "modelcast", ignore=shutil.ignore_patterns("__pycache__"))
@@ -122,6 +125,7 @@ def test_a_worker_with_threads_is_refused_by_name() -> None:
         assert "runs 3 tasks at a time in one process: start it with --nthreads 1" in refusal(address)
 
 
+@pytest.mark.slow
 def test_a_worker_that_sees_other_files_is_refused_by_name(tmp_path: Path) -> None:
     with other_cluster(1) as address, ClusterExecutor(address).start() as crew:
         crew.require_shared([tmp_path])

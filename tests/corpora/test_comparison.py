@@ -87,7 +87,7 @@ def test_it_is_the_comparison_of_all_trips_together(
     found = pool_comparison(outcome, job, failures={}, skipped={})
     assert comparison_document(found) == comparison_document(wanted)
     assert found.counts == wanted.counts
-    assert found.failures == {SHORT: "its longest part has 2 samples, a window needs 10"}
+    assert found.failures == {SHORT: "its longest part has 2 samples, a window needs 10: record longer"}
     assert len(corpus.partitions) == 1 or partitions > 1
 
 

@@ -48,13 +48,16 @@ def crews() -> Generator[Callable[[str], AbstractCrew]]:
         yield ask
 
 
-@pytest.fixture(params=list(EXECUTORS))
+OF_CLUSTER = pytest.param("cluster", marks=pytest.mark.slow)
+
+
+@pytest.fixture(params=[*(name for name in EXECUTORS if name != "cluster"), OF_CLUSTER])
 def crew(request: pytest.FixtureRequest, crews: Callable[[str], AbstractCrew]) -> AbstractCrew:
     """Workers of every executor."""
     return crews(request.param)
 
 
-@pytest.fixture(params=["two processes", "cluster"])
+@pytest.fixture(params=["two processes", OF_CLUSTER])
 def other_processes(request: pytest.FixtureRequest, crews: Callable[[str], AbstractCrew]) -> AbstractCrew:
     """Workers that are other processes."""
     return crews(request.param)

@@ -65,20 +65,17 @@ def test_what_is_found_does_not_depend_on_partitions(
     assert sum(part.rows for part in outcome.parts) == sum(wanted.values())
 
 
+@pytest.mark.parametrize("clusters", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_every_executor_writes_the_same_octets(
-    made: Callable[[int], Corpus], job: LengthJob, tmp_path: Path
+    made: Callable[[int], Corpus], job: LengthJob, tmp_path: Path, *, clusters: bool
 ) -> None:
-    pytest.importorskip("distributed")
-    from modelcast.corpora.executors.cluster import ClusterExecutor  # noqa: PLC0415 - of an extra
-
     corpus = made(5)
-    executors: list[AbstractExecutor] = [
-        HereExecutor(),
-        ProcessExecutor(1),
-        ProcessExecutor(2),
-        ClusterExecutor("local:1"),
-        ClusterExecutor("local:2"),
-    ]
+    executors: list[AbstractExecutor] = [HereExecutor(), ProcessExecutor(1), ProcessExecutor(2)]
+    if clusters:
+        pytest.importorskip("distributed")
+        from modelcast.corpora.executors.cluster import ClusterExecutor  # noqa: PLC0415 - of an extra
+
+        executors += [ClusterExecutor("local:1"), ClusterExecutor("local:2")]
     for at, executor in enumerate(executors):
         run_job(corpus, job, tmp_path / f"results-{at}", executor)
     first, *others = [contents(tmp_path / f"results-{at}") for at in range(len(executors))]
@@ -153,7 +150,7 @@ def test_a_partition_that_fails_is_named_and_tried_anew(
     assert len(whole.parts) == len(corpus.partitions)
 
 
-@pytest.mark.parametrize("kind", ["processes", "cluster"])
+@pytest.mark.parametrize("kind", ["processes", pytest.param("cluster", marks=pytest.mark.slow)])
 def test_a_worker_that_is_killed_in_a_partition_costs_nothing(
     made: Callable[[int], Corpus], job: LengthJob, tmp_path: Path, kind: str
 ) -> None:

@@ -21,6 +21,8 @@ from modelcast.dashboard.snapshot import Snapshot
 from ..verify.browser import opened_browser  # noqa: TID252 - tests are no package
 
 MakeSnapshot = Callable[..., Snapshot]
+pytestmark = pytest.mark.slow
+
 NEAR = 4.0
 """Steps of 255 by which a colour on the screen may differ: the browser's own rounding."""
 

@@ -125,9 +125,14 @@ def test_every_block_says_what_it_is() -> None:
 
 
 @pytest.mark.parametrize("block", PROGRAMS)
+def test_a_program_compiles(block: Block) -> None:
+    compile(block.text, block.place, "exec")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", PROGRAMS)
 def test_a_program_prints_what_it_shows(block: Block, folder: Path, request: pytest.FixtureRequest) -> None:
     if block.not_run:
-        compile(block.text, block.place, "exec")
         return
     bring_trace(block.text)
     bring_data(block.text, folder, request)
@@ -200,6 +205,7 @@ def test_the_guide_shows_the_example_packages_whole() -> None:
             assert one.relative_to(ROOT).as_posix() in shown
 
 
+@pytest.mark.slow
 def test_the_sub_model_of_the_guide_keeps_the_contract(tmp_path: Path) -> None:
     """Its files, as printed, beside the others; then the conformance suite, alone and in a bank."""
     package = tmp_path / "models"

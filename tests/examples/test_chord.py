@@ -73,6 +73,7 @@ assert found.agrees and found.messages > 10, found
     python_with(("chord",), "-c", program)
 
 
+@pytest.mark.slow
 def test_compiled_or_not_it_sends_the_same(python_with: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     program = """
 from modelcast.runtime.trip.runtime import TripRuntime
@@ -91,6 +92,7 @@ print(walk.kind.tolist(), walk.in_use.tolist())
     assert python_with(("chord",), "-c", program).stdout == compiled != ""
 
 
+@pytest.mark.slow
 def test_evaluate_and_compare_take_it(drive: Path, python_with: Run, tmp_path: Path) -> None:
     words = ["evaluate", str(drive), "--bank", "chord+cv", *QUICK, "--out", str(tmp_path / "one")]
     python_with(("chord",), "-m", "modelcast", *words)
@@ -101,6 +103,7 @@ def test_evaluate_and_compare_take_it(drive: Path, python_with: Run, tmp_path: P
     assert "chord" in (tmp_path / "two" / "summary.json").read_text()
 
 
+@pytest.mark.slow
 def test_network_takes_it_in_other_processes(python_with: Run, tmp_path: Path) -> None:
     line = "network --density 20 --length 300 --warm-up 1 --duration 3 --seeds 2 --jobs 2 --threshold 0.1"
     more = "--radio dsrc --policy mbc --bank chord+cv --quiet --out"
@@ -185,6 +188,7 @@ def test_the_readme_runs(python_with: Run) -> None:
     assert "baseline" in python_with(("chord",), "-c", program).stdout
 
 
+@pytest.mark.slow
 def test_two_live_nodes_show_one_another_by_it(python_with: Run, tmp_path: Path) -> None:
     """Their sockets are real, their time is not: each shows the other by the sub-model and on its path."""
     trip = tmp_path / "drive.csv"

@@ -3,6 +3,7 @@
 import json
 
 import polars as pl
+import pytest
 
 NETWORK = (
     "-m", "modelcast", "network", "--density", "30", "--length", "1000", "--duration", "6", "--warm-up", "2",
@@ -25,6 +26,7 @@ def test_a_network_run_over_it_loses_by_distance_alone(python_with, tmp_path):
     assert abs(share - 0.5) < 0.1, "the chance falls evenly from 1 to 0"
 
 
+@pytest.mark.slow
 def test_its_runs_are_taken_up_again_by_the_same_version_alone(python_with, tmp_path):
     call = (*NETWORK[:-1], "--radio", "disc", "--out", str(tmp_path / "out"))
     assert "done before" not in python_with(("disc_radio",), *call).stdout

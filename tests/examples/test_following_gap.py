@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 NETWORK = (
     "-m", "modelcast", "network", "--scenario", "braking", "--density", "20", "--length", "1000",
     "--duration", "8", "--warm-up", "2", "--seeds", "1", "--jobs", "1", "--radio", "ideal", "--policy", "cam",
@@ -27,6 +29,7 @@ print(*FollowingGap().assess(turned, Motions.of(place, speed_mps=20.0, heading_r
     assert said == ["2 1 1 0 0 0 0"] * 2
 
 
+@pytest.mark.slow
 def test_a_network_run_counts_its_warnings_and_names_its_package(python_with, tmp_path):
     asked = ("--application", "following-gap:least_s=0.9", "fcw", "--out", str(tmp_path / "out"), "--quiet")
     python_with(("following_gap",), *NETWORK, *asked)
@@ -36,6 +39,7 @@ def test_a_network_run_counts_its_warnings_and_names_its_package(python_with, tm
     assert "following-gap" in (tmp_path / "out" / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_a_safety_evaluation_takes_it_and_names_its_package(python_with, tmp_path):
     asked = (
         "-m", "modelcast", "safety", "--streams", "1", "--application", "following-gap", "--bank", "cv",

@@ -3,6 +3,7 @@
 import json
 
 import polars as pl
+import pytest
 
 NETWORK = (
     "-m", "modelcast", "network", "--density", "30", "--length", "800", "--duration", "12", "--warm-up", "2",
@@ -10,6 +11,7 @@ NETWORK = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_network_run_sends_by_it_at_each_threshold_and_names_its_package(python_with, tmp_path):
     out = tmp_path / "out"
     asked = (
@@ -52,6 +54,7 @@ print(sender.policy, sum(sent), sent[5::5])
     assert "Forecast(threshold_m=0.2, ahead_s=0.2, longest_s=0.5) 9 [1, 1, 1, 1, 1, 1, 1, 1]" in said
 
 
+@pytest.mark.slow
 def test_an_evaluation_and_a_comparison_are_driven_by_it(python_with, tmp_path):
     """Errors are forecast to grow, so it sends more often than the error-driven policy."""
     script = """

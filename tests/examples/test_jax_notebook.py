@@ -11,6 +11,7 @@ import pytest
 NOTEBOOK = Path(__file__).parents[2] / "examples" / "jax_sub_model.ipynb"
 
 
+@pytest.mark.slow
 def test_its_cells_run_and_the_model_sends_fewer_messages(tmp_path: Path) -> None:
     pytest.importorskip("jax", reason="the notebook needs JAX, of the extra train")
     cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]

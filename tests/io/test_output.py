@@ -193,3 +193,9 @@ def test_the_result_of_another_command_is_not_replaced(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="modelcast compare"), atomic_folder(target, command="evaluate"):
         pytest.fail("the block must not run")
     assert (target / "a").exists()
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="needs Linux's /proc")
+def test_a_folder_that_takes_no_new_one_is_named_and_nobody_waits() -> None:
+    with pytest.raises(ConfigError, match="/proc/out cannot be written: "), atomic_folder("/proc/out"):
+        pass

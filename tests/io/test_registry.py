@@ -17,7 +17,7 @@ def test_unknown_format_names_the_known_ones(made):
 
 def test_file_that_no_reader_knows_is_an_error_with_a_remedy(made):
     path = made.write("notes.txt", "nothing\n")
-    with pytest.raises(DataFormatError, match=r"notes\.txt: no reader knows this file\. Name its format"):
+    with pytest.raises(DataFormatError, match=r"notes\.txt: no reader knows this file\. .* by --format: "):
         list(read_trips(path))
 
 

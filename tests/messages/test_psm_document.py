@@ -75,7 +75,7 @@ def test_a_published_message_says_what_its_sender_is() -> None:
         ({"speed": 1}, "no field is called speed"),
         ({"transmission": "park"}, "no field is called transmission"),
         ({"message": "bsm"}, "message must be 'psm'"),
-        ({"message_count": None, "temporary_id": None}, "message_count is not known, nor temporary_id"),
+        ({"message_count": None, "temporary_id": None}, "message_count and temporary_id must be given"),
         ({"basic_type": "pedestrian"}, "basic_type must be one of unavailable, aPEDESTRIAN"),
         ({"basic_type": {"code": 5}}, "within 0..4"),
         ({"speed_mps": "fast"}, "number or null"),

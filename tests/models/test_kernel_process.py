@@ -160,7 +160,10 @@ def _windows(data_folder: Path) -> np.ndarray:
 
 @pytest.mark.real
 @pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="no extended precision here")
-@pytest.mark.parametrize("expression", EVERY)
+@pytest.mark.parametrize(
+    "expression",
+    [pytest.param(one, marks=pytest.mark.slow) if one in SUMS else one for one in EVERY],
+)
 def test_real_windows_are_predicted_as_by_scikit_learn(expression: str, windows: np.ndarray) -> None:
     """At equal hyper-parameters; a dozen windows an expression, so that every window meets some.
 

@@ -3,8 +3,9 @@
 import pytest
 from rich.console import Console
 
+from modelcast.cli.terminal import show
 from modelcast.core.cells import Cells
-from modelcast.report.console_table import placed_table
+from modelcast.report.console_table import ConsoleTable, console_table, placed_table
 
 LONG = "dsrc:path_loss=two-ray,antenna_m=1.5,shadowing=none, 25/km"
 HEADS = ["policy", "messages [1/s]", "bytes/s", "CBR [%]", "PTE p90 [m]", "PTE p99 [m]", "late"]
@@ -47,3 +48,40 @@ def test_a_name_beyond_24_letters_is_folded_and_the_numbers_stay() -> None:
 
 def test_a_place_is_no_markup() -> None:
     assert "[red]x\\x07" in shown(["[red]x\x07"], ["cam"])
+
+
+def printed(table: ConsoleTable, width: int) -> list[str]:
+    console = Console(width=width, color_system=None)
+    with console.capture() as captured:
+        console.print(table)
+    return [line.rstrip() for line in captured.get().splitlines()]
+
+
+NUMBERS = tuple(f"{n}{n}{n}.{n}25 [{n}.1, {n}.9]" for n in range(1, 8))
+
+
+@pytest.mark.parametrize("width", [40, 60, 80, 200, 10_000])
+@pytest.mark.parametrize("placed", [True, False])
+def test_no_number_is_cut_or_wrapped_at_any_width(width: int, placed: bool) -> None:
+    """Columns that have no room stand below, behind the same names."""
+    names = ["bsm-10hz", "a sender of many words"]
+    cells = Cells([*HEADS, "one more"], [[name, *NUMBERS] for name in names], 1)
+    table = placed_table(cells, ["dsrc"] * 2, "A title") if placed else console_table(cells, "A title")
+    lines = printed(table, width)
+    assert max(map(len, lines)) <= width
+    text = "\n".join(lines)
+    assert all(text.count(number) == len(names) for number in NUMBERS)
+    assert "…" not in text
+    rows = [line for line in lines if "bsm-10hz" in line]
+    assert len(rows) == 1 if width >= 200 else len(rows) > 1
+    assert text.count("A title") == 1
+
+
+def test_in_a_pipe_a_row_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    name = "a name of many words, so that no terminal has room for it in one line of its own " * 3
+    show(console_table(Cells([*HEADS, "one more"], [[name, *NUMBERS]], 1)))
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if name.strip() in line]
+    assert all(number in row for number in NUMBERS)

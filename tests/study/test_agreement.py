@@ -65,16 +65,29 @@ def drives(draw: st.DrawFn) -> Trajectory:
     )
 
 
-@settings(max_examples=50)
-@given(
-    drives(),
-    st.sampled_from(BANKS),
-    st.sampled_from(RULES),
-    st.sampled_from([0.05, 0.2, 0.5]),
+any_choice = given(
+    drives(), st.sampled_from(BANKS), st.sampled_from(RULES), st.sampled_from([0.05, 0.2, 0.5])
 )
+
+
+@settings(max_examples=12)
+@any_choice
 def test_three_runtimes_and_the_host_agree(
     drive: Trajectory, bank: str, rules: str, threshold_m: float
 ) -> None:
+    all_agree(drive, bank, rules, threshold_m)
+
+
+@pytest.mark.slow
+@settings(max_examples=100)
+@any_choice
+def test_three_runtimes_and_the_host_agree_on_many_drives(
+    drive: Trajectory, bank: str, rules: str, threshold_m: float
+) -> None:
+    all_agree(drive, bank, rules, threshold_m)
+
+
+def all_agree(drive: Trajectory, bank: str, rules: str, threshold_m: float) -> None:
     try:
         policy = policy_of(bank, rules, threshold_m)
     except (ConfigError, ValueError):
@@ -93,7 +106,12 @@ def test_three_runtimes_and_the_host_agree(
 
 @pytest.mark.parametrize(
     ("bank", "rules"),
-    [("default", "guarded/never"), ("default", "order/never"), *((OF_FOUR, rules) for rules in RULES)],
+    [
+        ("default", "guarded/never"),
+        pytest.param("default", "order/never", marks=pytest.mark.slow),
+        *((OF_FOUR, rules) for rules in RULES[:2]),
+        *(pytest.param(OF_FOUR, rules, marks=pytest.mark.slow) for rules in RULES[2:]),
+    ],
 )
 def test_they_agree_on_a_long_drive_of_a_bank_of_four(bank: str, rules: str) -> None:
     drive = generate_drive(seed=5, duration_s=90.0).input

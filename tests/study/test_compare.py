@@ -282,7 +282,7 @@ def test_mistakes_are_named(trips: list[Trajectory]) -> None:
     short = replace(trips[0], trip_id="short/1")
     tiny = Trajectory("tiny/1", short.t_s[:5], short.position_m[:5], segments=np.array([0, 5]), dt_s=0.1)
     result = compare([trips[0], tiny], CANDIDATES, SETTINGS)
-    assert result.failures == {"tiny/1": "its longest part has 5 samples, a window needs 10"}
+    assert result.failures == {"tiny/1": "its longest part has 5 samples, a window needs 10: record longer"}
     for given, candidates, settings, said in (
         ([tiny], CANDIDATES, SETTINGS, "no usable trip .tiny/1"),
         (trips, (), SETTINGS, "at least one candidate"),

@@ -175,7 +175,9 @@ def test_a_trip_too_short_for_a_window_fails_and_the_rest_is_complete(drive: Tra
     t = np.arange(9) * 0.1
     short = build_trajectory("made/short", t, np.zeros((9, 2)))
     result = evaluate([short, drive], SETTINGS)
-    assert result.failures == {"made/short": "its longest part has 9 samples, a window needs 10"}
+    assert result.failures == {
+        "made/short": "its longest part has 9 samples, a window needs 10: record longer"
+    }
     assert [trip.id for trip in result.trips] == [drive.trip_id]
     with pytest.raises(ConfigError, match="made/short"):
         evaluate([short], SETTINGS)

@@ -105,12 +105,13 @@ def test_an_installed_wheel_works_with_the_locked_packages(
     uv("pip", "check", "--python", python)
     known = {"MODELCAST_CACHE_DIR": tmp_path / "cache", "HOME": tmp_path / "home"}
     assert run(modelcast, "--version", **known).strip() == VERSION
-    run(modelcast, "demo", "--duration", "90", "--out", tmp_path / "demo", **known)
-    versions = json.loads((tmp_path / "demo" / "run.json").read_text(encoding="utf-8"))["versions"]
-    assert versions["python"].startswith(version)
-    assert "scipy" not in versions
     smoke = f"import os; os.chdir({str(tmp_path)!r})\n" + SMOKE.format(version=VERSION)
     assert run(python, "-W", "error", "-c", smoke, **known).strip() == "all is well"
+    if version == SUPPORTED[0]:  # the newest runs it in `test_container.py`; it compiles for most of a minute
+        run(modelcast, "demo", "--duration", "90", "--out", tmp_path / "demo", **known)
+        versions = json.loads((tmp_path / "demo" / "run.json").read_text(encoding="utf-8"))["versions"]
+        assert versions["python"].startswith(version)
+        assert "scipy" not in versions
     refused = ended(modelcast, "network", "--density", "25", "--out", tmp_path / "net", **known)
     assert refused.returncode == 2
     assert "needs scipy" in refused.stderr

@@ -18,7 +18,8 @@ __all__ = ["GilbertElliott", "Ideal", "IndependentErasure"]
 
 def _check_ratio(ratio: float) -> None:
     if not 0.0 <= ratio <= 1.0:
-        raise ValueError(f"packet error ratio must lie in 0..1, got {ratio}")
+        percent = f": {ratio:g} % is {ratio / 100.0:g}" if 1.0 < ratio <= 100.0 else ""
+        raise ValueError(f"packet error ratio must lie in 0..1, got {ratio}{percent}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ bad input or no usable trip; 3 some trips failed, the rest is complete; 130 inte
 output stopped reading; 143 ended by SIGTERM.
 """
 
+import errno
 import os
 import signal
 import sys
@@ -16,12 +17,21 @@ from typing import Any
 from cyclopts import App, CycloptsError, Group
 
 from modelcast.cli.command_list import COMMAND_GROUPS, COMMANDS, FIRST_STEPS, list_commands
-from modelcast.cli.signals import INTERRUPTED, TERMINATED, Terminated, taken
+from modelcast.cli.signals import INTERRUPTED, TERMINATED, Terminated, heeded, taken
 from modelcast.cli.terminal import complain, say
 from modelcast.cli.usage import usage_problem
 from modelcast.core.exceptions import ModelcastError, ModelcastWarning
 
-__all__ = ["BROKEN_PIPE", "COMMANDS", "USAGE", "run"]
+__all__ = ["BROKEN_PIPE", "USAGE", "app", "run"]
+
+_REMEDIES = {
+    errno.ENOENT: ". Check the path.",
+    errno.EACCES: ". Name a place that you may read and write.",
+    errno.ENOSPC: ". Make room, or name another place; nothing was kept.",
+    errno.EROFS: ". Name another place.",
+    errno.EADDRINUSE: ". Another program listens there: end it, or name another port.",
+}
+"""What to do, by what the operating system refused."""
 
 USAGE = 2
 BROKEN_PIPE = 141
@@ -101,6 +111,7 @@ def _run(arguments: Sequence[str]) -> int:
 
 def _interrupted(error: BaseException | None) -> int:
     """Say that the command was interrupted, and what is left of its work: the notes of the exception."""
+    heeded()
     terminated = isinstance(error, Terminated) or taken() == signal.SIGTERM
     complain(
         "; ".join(("ended by SIGTERM" if terminated else "interrupted", *getattr(error, "__notes__", ())))
@@ -136,7 +147,8 @@ def _attended(arguments: Sequence[str]) -> AbstractContextManager[None]:
 
 
 def _place_and_reason(error: OSError) -> str:
-    return f"{error.filename or 'a file'}: {error.strerror or error}"
+    remedy = _REMEDIES.get(error.errno or 0, "")
+    return f"{error.filename or 'a file'}: {error.strerror or error}{remedy}"
 
 
 def _stop_printing() -> int:

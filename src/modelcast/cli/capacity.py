@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from modelcast.cli.options import Numbers, SensorOptions, Words
+from modelcast.cli.options import Count, Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
 from modelcast.station.policy.rules import BelieveRule
 
@@ -22,8 +22,8 @@ def capacity(
     scenario: str = "highway",
     duration: float = 12.0,
     warm_up: float = 6.0,
-    seeds: int = 2,
-    seed: int = 0,
+    seeds: Count = 2,
+    seed: Count = 0,
     length: float = 3000.0,
     margin: float | None = None,
     lanes: int = 0,

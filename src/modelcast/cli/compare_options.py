@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from modelcast.cli.context_options import road_files
 from modelcast.cli.evaluate_options import EvaluateOptions
-from modelcast.cli.options import Numbers, SensorOptions, Words
+from modelcast.cli.options import Count, Numbers, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
 from modelcast.models.shipped import names_profile, profile_path
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
@@ -115,9 +115,9 @@ class CompareOptions:
     against: str | None = None
     route_by: Literal["auto", "file", "trip"] = "auto"
     resample_by: Literal["trip", "route"] = "trip"
-    resamples: int = 2000
-    seeds: int = 3
-    seed: int = 0
+    resamples: Count = 2000
+    seeds: Count = 3
+    seed: Count = 0
     window: int = 10
     noise_floor: float | None = None
     trusted_horizon: Numbers = (0.0,)

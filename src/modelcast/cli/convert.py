@@ -57,7 +57,7 @@ def convert(
         with watched(source, quiet=quiet) as shown:
             write(shown, file)
         if source.trips == 0:
-            raise ConfigError("; ".join(("no usable trip: nothing was written", *source.skipped_lines())))
+            raise ConfigError("no usable trip: nothing was written")
     if not quiet:
         say(f"{source.trips} trip{'' if source.trips == 1 else 's'} written to {out}")
         source.tell_skipped()

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from modelcast.cli.options import Columns, Format
+from modelcast.cli.options import Columns, Count, Format
 
 if TYPE_CHECKING:
     from modelcast.cli.reading import TripSource
@@ -26,7 +26,7 @@ def coverage(
     trusted_horizon: float = 0.0,
     protocol: Literal["auto", "recorded", "sensor"] = "auto",
     threshold: Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")] = (0.2, 0.5),
-    seed: int = 0,
+    seed: Count = 0,
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,
     trip: str = "*",
@@ -164,5 +164,5 @@ def _cases(
         for one in trips:
             groups.setdefault(one.trip_id.partition("/")[0], []).append(make_case(one, settings))
     if not groups:
-        raise ConfigError("; ".join(("no usable trip", *source.skipped_lines())))
+        raise ConfigError("no usable trip")
     return groups

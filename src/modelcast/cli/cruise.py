@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from modelcast.cli.options import Columns, Format, Numbers, Words
+from modelcast.cli.options import Columns, Count, Format, Numbers, Words
 
 if TYPE_CHECKING:
     from modelcast.apps.cruise.base import AbstractCruiseLaw
@@ -32,8 +32,8 @@ def cruise(
     loss: Numbers = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9),
     burst: Numbers = (0.0,),
     vehicles: int = 8,
-    seeds: int = 8,
-    seed: int = 0,
+    seeds: Count = 8,
+    seed: Count = 0,
     duration: float = 60.0,
     format: Format = None,  # noqa: A002 - the word a user would type
     columns: Columns = None,

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from modelcast.cli.evaluate_options import EvaluateOptions
+from modelcast.cli.options import Count
 
 __all__ = ["demo"]
 
@@ -11,7 +12,7 @@ def demo(
     *,
     out: Path = Path("out/demo"),
     duration: float = 240.0,
-    seed: int = 0,
+    seed: Count = 0,
     trips: Path | None = None,
     quiet: bool = False,
 ) -> int:

@@ -1,5 +1,6 @@
 """The options of ``modelcast evaluate``, and the settings they mean."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from math import inf
@@ -9,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from cyclopts import Parameter
 
 from modelcast.cli.context_options import context_settings, road_files
-from modelcast.cli.options import Numbers, SensorOptions
+from modelcast.cli.options import Count, Numbers, SensorOptions
+from modelcast.core.exceptions import ModelcastWarning
 from modelcast.messages.rules import CertificateRule
 from modelcast.models.shipped import names_profile, profile_path
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
@@ -19,6 +21,10 @@ if TYPE_CHECKING:
     from modelcast.study.settings import EvaluationSettings
 
 __all__ = ["EvaluateOptions"]
+
+
+_MANY_METRES = 10.0
+"""A threshold that large is usual in centimetres."""
 
 
 @Parameter(name="*")
@@ -123,8 +129,8 @@ class EvaluateOptions:
 
     threshold: Numbers = (0.2, 0.3, 0.4, 0.5)
     per: Numbers = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
-    seeds: int = 5
-    seed: int = 0
+    seeds: Count = 5
+    seed: Count = 0
     bank: str = "default"
     profile: str | None = None
     window: int = 10
@@ -159,6 +165,16 @@ class EvaluateOptions:
         found = asdict(self)
         sensor = found.pop("sensor")
         return {**found, **sensor}
+
+    def _warn_of_centimetres(self) -> None:
+        """Say what a threshold means that is large in metres and usual in centimetres."""
+        for value in self.threshold:
+            if value >= _MANY_METRES:
+                warnings.warn(
+                    f"--threshold {value:g} is in metres: {value:g} cm is {value / 100.0:g}",
+                    ModelcastWarning,
+                    stacklevel=2,
+                )
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -252,6 +268,7 @@ class EvaluateOptions:
                 decided_by=self.policy or "",
             )
             check(self.as_plain(), OPTIONS, "option")
+            self._warn_of_centimetres()
         except ValueError as error:
             raise ConfigError(str(error)) from error
         return found

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from cyclopts import Parameter
 
-from modelcast.cli.options import Paths, SensorOptions, Words
+from modelcast.cli.options import Count, Paths, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
 from modelcast.station.policy.rules import BelieveRule, CostUnit, IdentifyRule, StartRule
 
@@ -108,8 +108,8 @@ class FleetOptions:
     trips: Paths = ()
     duration: float = 30.0
     warm_up: float = 10.0
-    seeds: int = 3
-    seed: int = 0
+    seeds: Count = 3
+    seed: Count = 0
     length: float = 2000.0
     lanes: int = 0
     blocks: int = 5

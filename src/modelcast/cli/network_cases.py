@@ -65,10 +65,11 @@ def network_cases(plan: NetworkPlan, varied: Varied) -> list[NetworkCase]:
     if plan.roadside is not None:
         _check_roadside(plan.roadside, varied)
     _ = plan.warns()
-    if varied.seeds < 1 or not all(value > 0 for value in varied.densities_per_km):
-        raise ConfigError(
-            f"--seeds and --density must be positive, got {varied.seeds} and {varied.densities_per_km}"
-        )
+    if varied.seeds < 1:
+        raise ConfigError(f"--seeds must be at least 1, got {varied.seeds}")
+    for value in varied.densities_per_km:
+        if not value > 0:
+            raise ConfigError(f"--density must be positive, in vehicles a kilometre, got {value:g}")
     if not 0 <= plan.more_bytes <= MOST_MORE_BYTES:
         raise ConfigError(f"--more-bytes must lie within 0..{MOST_MORE_BYTES}, got {plan.more_bytes}")
     if not plan.thresholds_m or not all(0 < value < inf for value in plan.thresholds_m):

@@ -68,6 +68,7 @@ def node(
     from modelcast.cli.terminal import say
     from modelcast.core.exceptions import ConfigError
     from modelcast.node.config import NodeConfig, Station, read_config
+    from modelcast.node.inputs.opening import check_gnss_source
     from modelcast.node.journal import Journal
     from modelcast.node.live import LiveNode
 
@@ -84,6 +85,8 @@ def node(
         asked = replace(asked, page=replace(asked.page, port=port, on=True))
     sender = sender_of_config(asked)
     _check_credentials(asked)
+    if not asked.roadside.on:
+        check_gnss_source(asked.gnss.source)
     if check:
         say(f"{'the defaults' if config is None else config}: all is as it should be")
         return 0

@@ -4,16 +4,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from cyclopts import Parameter
+from cyclopts import CoercionError, Parameter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from cyclopts import Token
 
     from modelcast.study.compare.settings import Protocol
     from modelcast.world.sensors import SensorModel
 
 __all__ = [
     "Columns",
+    "Count",
     "Format",
     "Numbers",
     "Paths",
@@ -23,6 +26,18 @@ __all__ = [
     "Words",
     "parse_columns",
 ]
+
+
+def _whole(kind: type, tokens: "Sequence[Token]") -> int:
+    """The whole number that a word is; cyclopts would round others."""
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise CoercionError(token=tokens[0], target_type=kind) from None
+
+
+Count = Annotated[int, Parameter(converter=_whole)]
+"""A whole number."""
 
 Numbers = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")]
 """Several numbers after one another."""

@@ -18,6 +18,9 @@ from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["PARTLY_FAILED", "TripSource", "require_paths"]
 
+_MOST_NAMED = 5
+"""Trips that are named where a pattern takes none."""
+
 PARTLY_FAILED = 3
 """Exit code where some trips failed and the rest is complete."""
 
@@ -84,6 +87,7 @@ class TripSource:
         self.skipped: dict[str, str] = {}
         self.started = 0
         self.trips = 0
+        self._others: list[str] = []
 
     @property
     def files(self) -> int | None:
@@ -114,11 +118,24 @@ class TripSource:
             try:
                 for read in recording.trips():
                     trip = read_at(_named(read, printable(read.trip_id)), self._rate_hz, self._skip)
-                    if trip is not None and fnmatch.fnmatch(trip.trip_id, self._pattern):
+                    if trip is None:
+                        continue
+                    if fnmatch.fnmatch(trip.trip_id, self._pattern):
                         self.trips += 1
                         yield _named(trip, names.take(trip.trip_id))
+                    elif len(self._others) < _MOST_NAMED:
+                        self._others.append(trip.trip_id)
             except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, it costs this file alone
                 self._fail(recording.path, error)
+        if not self.trips:
+            self._tell_why()
+
+    def _tell_why(self) -> None:
+        """Say why there is no trip at all, where files are not to blame."""
+        if self._others:
+            complain(f"--trip {self._pattern}: no trip is named so; there are {', '.join(self._others)}")
+        for line in self.skipped_lines():
+            complain(line)
 
     def _next_recording(self) -> Recording | None:
         while True:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from cyclopts import Parameter
 
-from modelcast.cli.options import Numbers, SensorOptions
+from modelcast.cli.options import Count, Numbers, SensorOptions
 
 if TYPE_CHECKING:
     from modelcast.study.network.densities import TrafficPlan
@@ -51,14 +51,14 @@ class ReproduceOptions:
 
     threshold: Numbers = (0.2, 0.3, 0.4, 0.5)
     per: Numbers = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
-    seeds: int = 5
-    seed: int = 0
-    resamples: int = 1000
+    seeds: Count = 5
+    seed: Count = 0
+    resamples: Count = 1000
     sensor: SensorOptions = field(default_factory=SensorOptions)
     pick: bool = False
     traffic: bool = False
     traffic_out: Path | None = None
-    traffic_seeds: int = 10
+    traffic_seeds: Count = 10
     traffic_density: Numbers = (25.0, 50.0, 100.0, 200.0, 400.0, 800.0, 1200.0)
 
     def as_plain(self) -> Mapping[str, Any]:

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from modelcast.cli.compare_options import CompareOptions
 from modelcast.cli.evaluate_options import EvaluateOptions
-from modelcast.cli.options import Numbers, Paths, SensorOptions, Words
+from modelcast.cli.options import Count, Numbers, Paths, SensorOptions, Words
 from modelcast.messages.rules import CertificateRule
 from modelcast.models.shipped import names_profile, profile_path
 from modelcast.station.policy.rules import BelieveRule
@@ -112,14 +112,14 @@ class SafetyOptions:
     truth: Truth = "knowledge"
     near: float = 20.0
     later: float = 0.0
-    seeds: int = 3
-    seed: int = 0
+    seeds: Count = 3
+    seed: Count = 0
     keep_alive: float = 2.0
     believe: BelieveRule | None = None
     delay: float = 0.0
     expiry: float = 0.0
     certificates: CertificateRule = "gap"
-    resamples: int = 2000
+    resamples: Count = 2000
 
     def as_plain(self) -> Mapping[str, Any]:
         """Every option by its name on the command line, as plain values; packet error ratios filled in."""

@@ -13,7 +13,7 @@ import time
 from types import FrameType
 from typing import Any
 
-__all__ = ["INTERRUPTED", "TERMINATED", "Terminated", "finish", "install", "take", "taken"]
+__all__ = ["INTERRUPTED", "TERMINATED", "Terminated", "finish", "heeded", "install", "take", "taken"]
 
 INTERRUPTED = 128 + 2
 TERMINATED = 128 + 15
@@ -28,12 +28,12 @@ class Terminated(KeyboardInterrupt):
 
 
 class _Arrived:
-    """The signal that arrived first, when, and whether it is on its way again."""
+    """The signal that arrived first, when, whether it is on its way again, and whether it was heeded."""
 
     def __init__(self) -> None:
         self.first: int | None = None
         self.at_s = 0.0
-        self.sent_again = False
+        self.sent_again = self.heeded = False
 
 
 _arrived = _Arrived()
@@ -57,6 +57,11 @@ def taken() -> int | None:
     return _arrived.first
 
 
+def heeded() -> None:
+    """Note that the command has ended by the signal: it is not sent again."""
+    _arrived.heeded = True
+
+
 def take(number: int) -> bool:
     """Note a signal, and return whether it is the first; a second one ends the process at once.
 
@@ -71,7 +76,7 @@ def take(number: int) -> bool:
         return True
     if _arrived.sent_again:
         _arrived.sent_again = False
-        return True
+        return not _arrived.heeded
     if now_s >= _arrived.at_s + _TWIN_S:
         _at_once(number, None)
     return False

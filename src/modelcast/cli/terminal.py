@@ -1,6 +1,7 @@
 """The one way to the terminal: text in which nothing foreign is obeyed."""
 
 import json
+import os
 import sys
 from collections.abc import Callable, Generator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["beside", "complain", "error_console", "say", "say_json", "show"]
 
+_NO_WIDTH = 10_000
 _Aside = Callable[[], AbstractContextManager[None]]
 _asides: list[_Aside] = []
 
@@ -86,7 +88,9 @@ def show(*tables: "RenderableType") -> None:
     from rich.console import Console
 
     with _room():
-        Console(markup=False, emoji=False).print(*tables, sep="\n")
+        # Only a terminal has a width: in a pipe or a file nothing is wrapped, unless COLUMNS asks for it.
+        width = None if sys.stdout.isatty() or os.environ.get("COLUMNS") else _NO_WIDTH
+        Console(markup=False, emoji=False, width=width).print(*tables, sep="\n")
 
 
 def error_console() -> "Console":

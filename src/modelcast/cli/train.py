@@ -113,6 +113,7 @@ def train(
     from modelcast.cli.reading import TripSource, require_paths
     from modelcast.cli.terminal import say, say_json, show
     from modelcast.core.exceptions import ConfigError
+    from modelcast.core.installed import require_installed
     from modelcast.io.output import atomic_file
     from modelcast.report.training import training_report
     from modelcast.station.banks import parts_of
@@ -121,6 +122,8 @@ def train(
     from modelcast.study.training.switching import FitSettings, SwitchingSettings
 
     require_paths(paths, "train")
+    if not (bank or add):
+        require_installed("modelcast train", "train")
     _require_addable(
         add,
         modes,
@@ -150,7 +153,7 @@ def train(
         with atomic_file(out, inputs=paths, shown=f"--out {out}") as file:
             trips = all_trips(source, paths, "one fit is made to all of them", quiet=silent)
             if not trips:
-                raise ConfigError("; ".join(("no usable trip", *source.skipped_lines())))
+                raise ConfigError("no usable trip")
             with staged(quiet=quiet) as progress:
                 trained = _trained(profile, trips, add, settings, progress)
             file.write(trained.text.encode("utf-8"))

@@ -1,9 +1,16 @@
 """Names in a sentence, and the one that was meant where a name is misspelt."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
+from difflib import SequenceMatcher, get_close_matches
 
 __all__ = ["listed", "near"]
+
+
+_LEAST = 0.6
+"""Likeness below which a name is another one."""
+
+_AS_GOOD = 0.1
+"""Names that are less like it than the nearest by this are not meant."""
 
 
 def listed(names: Iterable[str]) -> str:
@@ -41,5 +48,8 @@ def near(name: str, known: Iterable[str]) -> str:
     spelt: dict[str, list[str]] = {}
     for one in known:
         spelt.setdefault(one.casefold(), []).append(one)
-    close = get_close_matches(name.casefold(), list(spelt), n=3, cutoff=0.6)
+    word = name.casefold()
+    likeness = [SequenceMatcher(None, key, word).ratio() for key in get_close_matches(word, list(spelt), n=1)]
+    least = max(_LEAST, likeness[0] - _AS_GOOD) if likeness else _LEAST
+    close = get_close_matches(word, list(spelt), cutoff=least)
     return f" (is {listed(one for key in close for one in spelt[key])} meant?)" if close else ""

@@ -311,7 +311,7 @@ def _require_short_name(file: AbstractKeyedRows[Key], key: Key) -> None:
 
 
 def _no_rows(file: AbstractKeyedRows[Key]) -> DataFormatError:
-    return DataFormatError(file.path, "no rows after the header", remedy="The file is empty.")
+    return DataFormatError(file.path, "no rows after the header", remedy="Check that it is complete.")
 
 
 def _shared_out(

@@ -159,7 +159,9 @@ def _cars(path: str, layout: Layout) -> tuple[dict[int, Rows], bool]:
                 columns[fills] = number_column(path, block, place, layout.header[place])
             pieces.append(Rows(block.line, columns))
     if not any(len(piece) for pieces in parts.values() for piece in pieces):
-        raise DataFormatError(path, "no rows after the header", row=layout.line, remedy="The file is empty.")
+        raise DataFormatError(
+            path, "no rows after the header", row=layout.line, remedy="Check that it is complete."
+        )
     return {
         number: _in_degrees(path, _with_height(joined(pieces), layout.height), geodetic=layout.geodetic)
         for number, pieces in parts.items()

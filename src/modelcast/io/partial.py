@@ -44,8 +44,13 @@ def partial_folder(target: Path) -> Generator[Path]:
     while True:
         path = _sibling(target, _PARTIAL, secrets.token_hex(_TOKEN_BYTES))
         target.parent.mkdir(parents=True, exist_ok=True)
-        with suppress(FileExistsError, FileNotFoundError):
-            path.mkdir()
+        with suppress(FileExistsError):
+            try:
+                path.mkdir()
+            except FileNotFoundError:
+                if target.parent.is_dir():  # it is there and takes no folder, as in /proc
+                    raise
+                continue
             lock = _locked_folder(path)
             if lock is not None:
                 break

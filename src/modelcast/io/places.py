@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import Literal
 
 from modelcast.core.exceptions import DataFormatError
+from modelcast.core.near_names import near
 
-__all__ = ["mode_kind", "place_kind", "readable_kind"]
+__all__ = ["meant", "mode_kind", "place_kind", "readable_kind"]
 
 _SPECIAL = {
     stat.S_IFIFO: "a pipe",
@@ -44,6 +45,20 @@ def place_kind(path: str | Path) -> str:
     return mode_kind(Path(path).stat().st_mode)
 
 
+def meant(missing: Path) -> str:
+    """Return a question for the neighbour that was meant by a name, nothing where none is near.
+
+    Parameters
+    ----------
+    missing
+        What is not there.
+    """
+    try:
+        return near(missing.name, [entry.name for entry in missing.parent.iterdir()])
+    except OSError:
+        return ""
+
+
 def readable_kind(path: str | Path) -> Literal["file", "folder"]:
     """Return whether a path leads to a file or to a folder; nothing is opened, so a pipe makes nobody wait.
 
@@ -73,7 +88,9 @@ def readable_kind(path: str | Path) -> Literal["file", "folder"]:
                     "does not exist, and the standard input is not read here",
                     remedy="Write it into a file and name that.",
                 ) from error
-            raise DataFormatError(name, "does not exist", remedy="Check the path.") from error
+            raise DataFormatError(
+                name, f"does not exist{meant(Path(path))}", remedy="Check the path."
+            ) from error
         raise DataFormatError(name, f"cannot be read: {error.strerror or error}") from error
     if kind == "file":
         return "file"

@@ -13,6 +13,7 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.core.open_group import OpenGroup
 from modelcast.io.base import AbstractTripReader
 from modelcast.io.column_map import example_map
+from modelcast.io.other_programs import refuse_other_program
 from modelcast.io.packed import member_of, open_octets, recording_name
 from modelcast.io.places import readable_kind
 from modelcast.io.table_layout import table_layout
@@ -100,11 +101,13 @@ def detect_format(path: str | Path) -> str:
     for name in reader_names():
         if get_reader(name).matches(named, head):
             return name
+    if not at.is_dir():
+        refuse_other_program(str(path), head)
     raise DataFormatError(
         str(path),
         "no reader knows this " + ("folder" if at.is_dir() else "file"),
         remedy=_map_for(head)
-        or f"Name its format: {', '.join(reader_names())}; csv and parquet also take a column map.",
+        or f"Where it is of a known format, name that by --format: {', '.join(reader_names())}.",
     )
 
 

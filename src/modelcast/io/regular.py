@@ -6,7 +6,7 @@ from pathlib import Path
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.json_text import LARGEST_BYTES
-from modelcast.io.places import mode_kind, place_kind
+from modelcast.io.places import meant, mode_kind, place_kind
 
 __all__ = ["kind_of", "read_document", "regular_bytes", "sha256_of"]
 
@@ -42,7 +42,8 @@ def regular_bytes(path: Path) -> int:
     try:
         found = path.stat()
     except (OSError, ValueError) as error:
-        raise ConfigError(f"{_named(path)} cannot be read: {_why(error)}") from error
+        remedy = f"{meant(path)}. Check the path." if isinstance(error, FileNotFoundError) else ""
+        raise ConfigError(f"{_named(path)} cannot be read: {_why(error)}{remedy}") from error
     return _regular(path, found)
 
 

@@ -17,6 +17,7 @@ import polars as pl
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
+from modelcast.io.angle_check import refuse_other_angles
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.column_map import ColumnMap
 from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered, numbered
@@ -229,10 +230,16 @@ class _TableRows(AbstractKeyedRows[str]):
         if off.any():
             columns |= {name: np.where(off, _NOT_KNOWN, columns[name]) for name in places}
         rows = Rows(raw.line, columns)
-        _check_range(self.path, rows)
+        refuse_other_angles(self.path, rows, self._table.found)
         if self._table.found.geodetic and self.origin is None:
             self.origin = _first_origin(rows)
         return rows
+
+
+def _without_blank_columns(rows: Rows) -> Rows:
+    """Return the rows without optional columns that hold nothing, as if the table did not have them."""
+    blank = {name for name in OPTIONAL if name in rows.columns and np.isnan(rows.columns[name]).all()}
+    return Rows(rows.line, {name: column for name, column in rows.columns.items() if name not in blank})
 
 
 def _trip(
@@ -240,6 +247,7 @@ def _trip(
     shared_origin: Origin | None, one_clock: bool, vehicle: str, speed: str, unsorted: str,
 ) -> Trajectory | None:  # fmt: skip
     """Return one vehicle's trip, or None where no row is usable."""
+    rows = _without_blank_columns(rows)
     columns = rows.columns
     geodetic = "latitude_deg" in columns
     x, y = ("latitude_deg", "longitude_deg") if geodetic else ("east_m", "north_m")
@@ -298,20 +306,6 @@ def _wrapped(heading_rad: FloatArray) -> FloatArray:
     """Return headings in [-pi, pi), those already there to the bit."""
     inside = (heading_rad >= -np.pi) & (heading_rad < np.pi)
     return np.where(inside, heading_rad, wrap_angle_rad(heading_rad))
-
-
-def _check_range(path: str, rows: Rows) -> None:
-    for name, bound in (("latitude_deg", 90.0), ("longitude_deg", 360.0)):
-        column = rows.columns.get(name, np.zeros(0))
-        bad = (np.abs(column) > bound) & (column != _NOT_KNOWN)
-        if bad.any():
-            at = int(np.argmax(bad))
-            raise DataFormatError(
-                path,
-                f"{name} is {column[at]}, beyond {bound:.0f}",
-                row=int(rows.line[at]),
-                remedy="Correct the value or the column map.",
-            )
 
 
 def _first_origin(rows: Rows) -> Origin | None:

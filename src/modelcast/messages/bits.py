@@ -64,7 +64,7 @@ class BitReader:
         begin = self.position
         end = begin + width
         if end > self._end:
-            raise CodecError(f"{width} bits needed, {self._end - begin} left", begin)
+            raise CodecError(f"{width} bits needed, {self._end - begin} left: the message ends early", begin)
         self.position = end
         whole = int.from_bytes(self._data[begin >> 3 : (end + 7) >> 3], "big")
         return (whole >> (-end & 7)) & ((1 << width) - 1)

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Final
 
+from modelcast.core.argument_types import require_type
 from modelcast.core.exceptions import CodecError
 from modelcast.messages.bits import BitReader, BitWriter
 from modelcast.messages.bsm_fields import (
@@ -171,7 +172,12 @@ def encode_bsm(
     >>> len(encode_bsm(core)), len(encode_bsm(core, regional=((128, bytes(20)),)))
     (40, 62)
     """
-    whole = sum([code - low << shift for code, (low, shift) in zip(core.codes, _PUT, strict=True)])
+    try:
+        codes = core.codes
+    except AttributeError:
+        require_type("core", core, BsmCore, remedy="give modelcast.BsmCore.from_values({...})")
+        raise
+    whole = sum([code - low << shift for code, (low, shift) in zip(codes, _PUT, strict=True)])
     if not (part_ii or regional or additions or frame_additions):
         # Preamble and padding are zero bits, and the header is always the same.
         return (_CORE_HEADER | whole << _SPARE_BITS).to_bytes(3 + CORE_OCTETS, "big")
@@ -236,6 +242,8 @@ def decode_bsm(data: bytes) -> BasicSafetyMessage:
     >>> decode_bsm(encode_bsm(core)).core == core
     True
     """
+    if isinstance(data, str):
+        require_type("data", data, bytes, remedy="bytes.fromhex makes octets of hexadecimal digits")
     header = read_header(data, BASIC_SAFETY_MESSAGE)
     start, stop = header.start, header.stop
     if stop - start < CORE_OCTETS:

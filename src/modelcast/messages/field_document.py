@@ -143,8 +143,9 @@ def refuse_missing(fields: Sequence[Field], given: Mapping[str, object]) -> None
     """
     missing = [field.name for field in fields if field.unavailable is None and given.get(field.name) is None]
     if missing:
-        others = f", nor {', '.join(missing[1:])}" if missing[1:] else ""
-        raise ValueError(f"{missing[0]} is not known{others}, and there is no code for that: give a value")
+        *first, last = missing
+        named = f"{', '.join(first)} and {last}" if first else last
+        raise ValueError(f"{named} must be given; all other fields may be left out, as not available")
 
 
 def given_list(name: str, given: object) -> Sequence[object]:

@@ -49,6 +49,8 @@ TRANSPORTS = OpenGroup(
 """Ways to the air: each is called with the node's table ``[air]`` and its clock."""
 
 _FOLLOW_S = 5.0
+_PATIENCE_S = 5.0
+"""How long a node waits for its first fix before it says so."""
 _UNWATCHED_STEPS = 10
 """Where nobody looks at the page, the road is still drawn, at every so many steps."""
 
@@ -159,6 +161,8 @@ class LiveNode:
                 await stack.enter_async_context(server)
             what = "roadside" if config.roadside.on else config.sending.policy
             about = {"name": config.vehicle.name, "kind": config.station.kind, "policy": what}
+            if not config.roadside.on:
+                about["gnss"] = config.gnss.source
             self._journal.note("start", about)
             if config.page.on:
                 self._takers.append(await stack.enter_async_context(self._page(config.page)))
@@ -207,8 +211,13 @@ class LiveNode:
 
     async def _placed(self, inputs: Measuring, transport: HeldTransport, stop: asyncio.Event) -> Plane | None:
         """Wait for a place that the plane of the map begins at; None where it is told to stop."""
+        begun_s, told = self._clock.now_s(), False
         while not stop.is_set():
             now_s = self._clock.now_s()
+            if not told and now_s - begun_s >= _PATIENCE_S:
+                why = "no fix yet, and nobody heard: nothing is sent before"
+                self._journal.note("waiting", {"gnss": self._config.gnss.source, "why": why})
+                told = True
             site = self._config.roadside
             plane = (
                 Plane(Origin(site.latitude_deg, site.longitude_deg), "configured")

@@ -7,10 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from rich.console import Group, RenderableType
 from rich.padding import Padding
-from rich.table import Table
 
 from modelcast.core.cells import Cells
-from modelcast.report.console_table import console_table
+from modelcast.report.console_table import ConsoleTable, console_table
 from modelcast.report.findings import findings
 from modelcast.report.headline import (
     SAME_RATE,
@@ -160,7 +159,7 @@ def scope_line(result: EvaluationResult) -> str:
     return f"{_counted(len(result.trips), 'trip')}, {hours:.2f} h, protocol: {protocols}{left_out}"
 
 
-def rates_table(result: EvaluationResult) -> Table:
+def rates_table(result: EvaluationResult) -> ConsoleTable:
     """Return the pooled message rates at each threshold, the model-based sender's beside its rivals'."""
     sender = sender_label(result)
     lines = headlines(result)
@@ -181,7 +180,7 @@ def rates_table(result: EvaluationResult) -> Table:
     return console_table(Cells(heads, rows, 0), "Same threshold: messages per second without loss, all trips")
 
 
-def tracking_tables(result: EvaluationResult) -> list[Table]:
+def tracking_tables(result: EvaluationResult) -> list[ConsoleTable]:
     """Return the pooled 90th percentile of the tracking error in both readings, and the first one's messages.
 
     Without loss, and near a packet error ratio of 0.4.
@@ -210,12 +209,10 @@ def tracking_tables(result: EvaluationResult) -> list[Table]:
     return [same, console_table(Cells(["threshold", "PER", *names], rows, 0), title)]
 
 
-def failures_table(failures: Mapping[str, str]) -> Table:
+def failures_table(failures: Mapping[str, str]) -> ConsoleTable:
     """Return the trips that could not be evaluated, each with its reason."""
     title = f"Not evaluated: {_counted(len(failures), 'trip')}"
-    shown = console_table(Cells(("trip", "reason"), sorted(failures.items())), title)
-    shown.columns[0].max_width = 36
-    return shown
+    return console_table(Cells(("trip", "reason"), sorted(failures.items())), title, longest=36)
 
 
 def _shown_ratios(result: EvaluationResult) -> Sequence[float]:

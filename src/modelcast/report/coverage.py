@@ -4,11 +4,10 @@ from math import isnan
 from pathlib import Path
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 
 from modelcast.core.cells import Cells
 from modelcast.models.calibration import LEVELS
-from modelcast.report.console_table import console_table
+from modelcast.report.console_table import ConsoleTable, console_table
 from modelcast.report.figures.coverage import plot_coverage, plot_times
 from modelcast.report.figures.files import drawn, write_drawings
 from modelcast.report.style import style
@@ -45,7 +44,7 @@ def write_coverage_figures(result: CoverageResult, folder: Path) -> list[Path]:
         return write_drawings([drawn(name, figure) for name, figure in figures.items()], folder)
 
 
-def _coverage_table(result: CoverageResult) -> Table:
+def _coverage_table(result: CoverageResult) -> ConsoleTable:
     found = {(r.sub_model, r.form, r.horizon_s, r.level): r.covered_ratio for r in result.rows}
     rows: list[list[str]] = []
     for name in dict.fromkeys(row.sub_model for row in result.rows):
@@ -62,7 +61,7 @@ def _coverage_table(result: CoverageResult) -> Table:
     return console_table(Cells(heads, rows, 2), "Errors inside the ellipses of 50/90/95 % [%]")
 
 
-def _times_table(result: CoverageResult) -> Table:
+def _times_table(result: CoverageResult) -> ConsoleTable:
     rows = [
         [
             row.sub_model,

@@ -1,12 +1,12 @@
 """An HTML page, with every string escaped."""
 
-import base64
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, cast
 
 from modelcast.core.cells import Cells, escape
 from modelcast.report.figures.files import Drawing
 from modelcast.report.scripts import content_policy, script
+from modelcast.report.svg_address import svg_address
 
 __all__ = ["CSS", "embedded_figure", "figure", "option_rows", "options_table", "page"]
 
@@ -107,10 +107,9 @@ def embedded_figure(drawing: Drawing, place: int, title: str, caption: str) -> s
     title, caption
         Plain text.
     """
-    image = base64.b64encode(drawing.svg).decode("ascii")
     return (
         f'<figure><img style="width:{drawing.width_in:g}in" alt="{escape(title)}" '
-        f'src="data:image/svg+xml;base64,{image}">'
+        f'src="{svg_address(drawing.svg)}">'
         f"<figcaption><b>Figure {place}. {escape(title)}.</b> {escape(caption)}</figcaption></figure>"
     )
 

@@ -9,6 +9,7 @@ import numpy as np
 from rich.console import RenderableType
 from rich.table import Table
 
+from modelcast.core.cells import Cells
 from modelcast.messages.mbc_wire import profile_number
 from modelcast.messages.sizes import SizeModel
 from modelcast.models.bank import Bank
@@ -18,6 +19,7 @@ from modelcast.models.predicted_path import carried_layout
 from modelcast.models.profile import Profile
 from modelcast.models.sub_models import SUB_MODELS, registered_name
 from modelcast.models.wrapped import unwrapped
+from modelcast.report.console_table import console_table
 from modelcast.report.literal import literal
 
 __all__ = [
@@ -103,33 +105,20 @@ def profile_report(profile: Profile, name: str) -> tuple[RenderableType, ...]:
         What the user calls it.
     """
     document = profile_document(profile)
-    table = Table(title=literal(f"{name}: bank {document['bank']}"), title_justify="left")
-    for column in (
-        "sub-model",
-        "kind",
-        "where",
-        "carried",
-        "bits",
-        "octets",
-        "window",
-        "trusted",
-        "calibrated",
-    ):
-        right = column in {"bits", "octets", "window", "trusted", "calibrated"}
-        table.add_column(column, justify="right" if right else "left", no_wrap=column == "sub-model")
+    heads = ("sub-model", "kind", "where", "carried", "bits", "octets", "window", "trusted", "calibrated")
+    rows: list[tuple[str, ...]] = []
     for where in _LISTS:
         for one in document[where]:
-            trusted = "always" if one["trusted_horizon_s"] is None else f"{one['trusted_horizon_s']:g} s"
             calibrated = one["calibrated_to_s"]
-            table.add_row(
-                *map(literal, (one["name"], one["kind"], "bank" if where == "members" else where)),
-                one["carried"],
-                str(one["bits"]),
-                str(one["update_octets"]),
-                str(one["window"]),
-                trusted,
-                "-" if calibrated is None else f"to {calibrated:g} s",
+            rows.append(
+                (
+                    *(one["name"], one["kind"], "bank" if where == "members" else where, one["carried"]),
+                    *(str(one["bits"]), str(one["update_octets"]), str(one["window"])),
+                    "always" if one["trusted_horizon_s"] is None else f"{one['trusted_horizon_s']:g} s",
+                    "-" if calibrated is None else f"to {calibrated:g} s",
+                )
             )
+    table = console_table(Cells(heads, rows, 4), f"{name}: bank {document['bank']}", keys=1)
     coasted = document["plain_messages"] or "constant velocity"
     lines = [
         f"sha256 {document['sha256']}; on the air {document['wire_number']}",

@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Group, RenderableType
-from rich.table import Table
 
+from modelcast.core.cells import Cells
+from modelcast.report.console_table import console_table
 from modelcast.report.literal import literal
 from modelcast.trips.manoeuvres.base import KINDS, ManoeuvreCounts, ManoeuvreKind
 
@@ -39,23 +41,20 @@ def ranking_report(
     failures, skipped
         What could not be read and what held no trip, with the reason.
     """
-    table = Table(title="Trips by manoeuvres", title_justify="left", title_style="bold", box=None)
-    table.padding = (0, 1, 0, 0)
-    table.add_column("", justify="right", style="dim")
-    table.add_column("trip", overflow="fold", min_width=16)
-    for heading in ("total", *_HEADINGS.values(), "/km", "min", "km"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for at, one in enumerate(ranked, start=1):
-        by_kind = one.by_kind
-        table.add_row(
+    heads = ("", "trip", "total", *_HEADINGS.values(), "/km", "min", "km")
+    rows = [
+        (
             str(at),
-            literal(one.trip_id),
+            one.trip_id,
             str(one.total),
-            *(str(by_kind[kind]) for kind in KINDS),
+            *(str(one.by_kind[kind]) for kind in KINDS),
             f"{one.per_km:.1f}",
             f"{one.duration_s / 60.0:.1f}",
             f"{one.distance_m / 1000.0:.1f}",
         )
+        for at, one in enumerate(ranked, start=1)
+    ]
+    table = console_table(Cells(heads, rows, 2), "Trips by manoeuvres", box=SIMPLE_HEAD, padding=(0, 0, 0, 0))
     summary = _summary(len(ranked), counted, failures, skipped)
     parts: list[RenderableType] = [table, literal(_NOTE), literal(summary)]
     parts += [literal(f"no trip from {name}: {reason}") for name, reason in skipped.items()]

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from modelcast.core.cells import Cells, escape, markdown
 from modelcast.report.beside import show_beside
 from modelcast.report.console import failures_table, skipped_lines
+from modelcast.report.console_table import placed_table
 from modelcast.report.figures.files import drawn, write_report_files
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
@@ -96,17 +96,14 @@ def safety_console(result: SafetyResult) -> RenderableType:
     basis = "airtime" if "airtime" in bases else bases[0]
     against = result.settings["against"]
     heads = ("sender", "1/s", "missed", f"over {against}", "false", f"over {against}", "never", "late p50")
-    places: dict[str, list[tuple[str, ...]]] = {}
+    rows: dict[str, list[tuple[str, ...]]] = {}
     for row in result.pooled:
         if row.basis == basis:
             place = f"{row.sensor}, {loss_words(kind_of(row))}, {100 * row.packet_error_ratio:.4g} % lost"
-            places.setdefault(place, []).append(_console_cells(row))
-    # A place is longer than any cell, so it stands above its lines and not in a column.
-    every = [heads, *(cells for own in places.values() for cells in own)]
-    widths = [max(len(cells[column]) for cells in every) for column in range(len(heads))]
-    shown: list[RenderableType] = [Text(f"At equal {basis}"), _lines(heads, (), widths)]
-    for place, own in places.items():
-        shown += [literal(place, style="bold"), _lines((), own, widths)]
+            rows.setdefault(place, []).append(_console_cells(row))
+    places = [place for place, own in rows.items() for _ in own]
+    cells = Cells(heads, [one for own in rows.values() for one in own], 1)
+    shown: list[RenderableType] = [placed_table(cells, places, f"At equal {basis}")]
     shown += [literal(line) for line in skipped_lines(result.skipped)]
     if result.failures:
         shown.append(failures_table(result.failures))
@@ -124,17 +121,6 @@ def _console_cells(row: Row) -> tuple[str, ...]:
         percent_text(row.missed_events),
         late_text(row.delay_p50_s),
     )
-
-
-def _lines(heads: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[int]) -> Table:
-    """A head or lines of the table, in columns as wide as all have them."""
-    shown = Table(box=None, padding=(0, 1, 0, 0), show_header=bool(heads))
-    for number, width in enumerate(widths):
-        head = heads[number] if heads else ""
-        shown.add_column(head, justify="right" if number else "left", width=width)
-    for cells in rows:
-        shown.add_row(*map(literal, cells))
-    return shown
 
 
 def safety_markdown(result: SafetyResult) -> str:

@@ -4,10 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 
+from modelcast.core.cells import Cells
 from modelcast.models.profile import Profile
 from modelcast.models.switching import StochasticHybridSystem
+from modelcast.report.console_table import console_table
 from modelcast.report.literal import literal
 
 __all__ = ["training_report"]
@@ -44,19 +45,20 @@ def _counted(profile: Profile) -> list[RenderableType]:
     messages: Mapping[str, Mapping[str, Sequence[int]]] = figures["messages"]
     thresholds: Sequence[float] = figures["thresholds_m"]
     baseline = messages["baseline"]
-    table = Table(
-        title=f"Messages over the baseline's, counted on {figures['counted_on']}", title_justify="left"
-    )
-    table.add_column("sub-model", no_wrap=True)
     levels = " / ".join(f"{100 * threshold_m:g}" for threshold_m in thresholds)
-    for protocol in baseline:
-        table.add_column(f"{protocol}\n{levels} cm", justify="right")
-    for name, rows in messages.items():
-        cells = [
-            " / ".join(_ratio(one, base) for one, base in zip(own, baseline[protocol], strict=True))
-            for protocol, own in rows.items()
+    rows = [
+        [
+            name,
+            *(
+                " / ".join(_ratio(one, base) for one, base in zip(own, baseline[protocol], strict=True))
+                for protocol, own in counts.items()
+            ),
         ]
-        table.add_row(literal(name), *cells)
+        for name, counts in messages.items()
+    ]
+    heads = ["sub-model", *(f"{protocol}\n{levels} cm" for protocol in baseline)]
+    title = f"Messages over the baseline's, counted on {figures['counted_on']}"
+    table = console_table(Cells(heads, rows, 1), title)
     kept = ", ".join(f"{name} by {found['kept']}" for name, found in record.get("processes", {}).items())
     return [
         table,

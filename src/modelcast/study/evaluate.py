@@ -121,7 +121,9 @@ def evaluate_trip(
     longest = int(np.diff(seen.segments).max())
     needed = int(settings.bank.windows.max())
     if longest < needed:
-        found.failures[seen.trip_id] = f"its longest part has {longest} samples, a window needs {needed}"
+        found.failures[seen.trip_id] = (
+            f"its longest part has {longest} samples, a window needs {needed}: record longer"
+        )
         return found
     case = make_case(trip, settings)
     quantised = settings.quantised

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, asdict, dataclass, field, replace
+from numbers import Integral
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -228,11 +229,13 @@ class EvaluationSettings:
 
     def _check_types(self) -> None:
         """Refuse what is of another type than its name says."""
+        require_type("seeds", self.seeds, Integral, remedy="give a whole number")
+        require_type("seed", self.seed, Integral, remedy="give a whole number")
         require_type("bank", self.bank, Bank, remedy='give modelcast.bank_from_text("cv") or its like')
-        if self.free is not None:
-            require_type("free", self.free, Bank, remedy='give modelcast.bank_from_text("free") or None')
         require_type("thresholds_m", self.thresholds_m, Sequence, remedy=_SEVERAL)
         require_type("packet_error_ratios", self.packet_error_ratios, Sequence, remedy=_SEVERAL)
+        if self.free is not None:
+            require_type("free", self.free, Bank, remedy='give modelcast.bank_from_text("free") or None')
 
     def _check_details(self) -> None:
         """Refuse a threshold to show that is none of those evaluated."""

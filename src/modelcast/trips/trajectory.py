@@ -18,6 +18,7 @@ from modelcast.trips.jumps import settle
 __all__ = [
     "GAP_STEPS",
     "JUMPED",
+    "MAX_HEADING_RAD",
     "OFF_EARTH",
     "UNIFORM_TOLERANCE_RATIO",
     "Reading",
@@ -30,6 +31,9 @@ UNIFORM_TOLERANCE_RATIO = 0.25
 
 GAP_STEPS = 2.5
 """A step longer than this many median steps is a gap: the trip is split there."""
+
+MAX_HEADING_RAD = 8.0 * np.pi
+"""Headings that go on over a turn instead of wrapping reach this after four circles; degrees go beyond."""
 
 JUMPED = "position jump and back"
 """Why rows are skipped that lie where no vehicle could have been."""
@@ -238,7 +242,8 @@ def build_trajectory(
     Raises
     ------
     ValueError
-        Where the samples break a rule that `Trajectory` states, or most steps are faster than any vehicle.
+        Where the samples break a rule that `Trajectory` states, most steps are faster than any vehicle, or
+        headings are beyond `MAX_HEADING_RAD`.
 
     Examples
     --------
@@ -248,6 +253,13 @@ def build_trajectory(
     >>> trip.segments.tolist(), round(trip.dt_s, 6), round(trip.duration_s, 6)
     ([0, 3, 5], 0.1, 0.5)
     """
+    heading = None if heading_rad is None else _owned(heading_rad)
+    if heading is not None and heading.size and np.nanmax(np.abs(heading)) > MAX_HEADING_RAD:
+        at = int(np.nanargmax(np.abs(heading)))
+        raise ValueError(
+            f"{trip_id}: heading_rad is {heading[at]:g} at sample {at}, too large for radians: "
+            "numpy.radians makes them of degrees"
+        )
     times = _owned(t_s)
     if times.size and np.isfinite(times).all():
         times = times - times[0]
@@ -258,7 +270,7 @@ def build_trajectory(
         segments=np.array([0, times.size]),
         dt_s=_median_step_s(times),
         speed_mps=None if speed_mps is None else _owned(speed_mps),
-        heading_rad=None if heading_rad is None else _owned(heading_rad),
+        heading_rad=heading,
         acceleration_mps2=None if acceleration_mps2 is None else _owned(acceleration_mps2),
         yaw_rate_radps=None if yaw_rate_radps is None else _owned(yaw_rate_radps),
         up_m=None if up_m is None else _owned(up_m),

@@ -3,15 +3,17 @@
 from collections.abc import Callable
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.io.places import readable_kind
 from modelcast.node.inputs.base import AbstractSource
 from modelcast.node.inputs.gpsd import GpsdSource
 from modelcast.node.inputs.line_stream import tcp
 from modelcast.node.inputs.nmea import NmeaSource, serial_device
-from modelcast.node.inputs.replay import TripReplay, trip_from
+from modelcast.node.inputs.replay import TripReplay, file_and_trip, trip_from
 from modelcast.node.inputs.signals import read_signals
 
-__all__ = ["bus_source", "gnss_source"]
+__all__ = ["bus_source", "check_gnss_source", "gnss_source"]
 
+_KINDS = frozenset({"gpsd", "nmea", "nmea+tcp", "nmea+file", "trip"})
 _FORMS = "gpsd://HOST:PORT, nmea:DEVICE, nmea:DEVICE@BAUD, nmea+tcp://HOST:PORT, nmea+file:FILE or trip:FILE"
 
 
@@ -46,21 +48,46 @@ def gnss_source(
     >>> type(gnss_source("gpsd://[::1]:2947", now_s=lambda: 0.0, utc_at_zero_s=0.0)).__name__
     'GpsdSource'
     """
+    check_gnss_source(text)
     kind, _, rest = text.partition(":")
     if kind == "gpsd":
         return GpsdSource(*_peer(text, rest), now_s=now_s, utc_at_zero_s=utc_at_zero_s)
     if kind == "nmea+tcp":
         return NmeaSource(tcp(*_peer(text, rest)), now_s=now_s, utc_at_zero_s=utc_at_zero_s)
-    if kind == "nmea" and rest:
+    if kind == "nmea":
         device, _, baud = rest.partition("@")
-        if baud and not baud.isdecimal():
-            raise ConfigError(f"{baud!r} in {text!r} is no speed of a serial line, as 115200 is")
         connect = serial_device(device, int(baud or 115_200))
         return NmeaSource(connect, now_s=now_s, utc_at_zero_s=utc_at_zero_s)
-    if kind in {"nmea+file", "trip"} and rest:
-        trip = trip_from(rest, format_name="nmea" if kind == "nmea+file" else None)
-        return TripReplay(trip, begin_s=now_s(), times_as_fast=times_as_fast)
-    raise ConfigError(f"{text!r} is no source of fixes: write {_FORMS}")
+    trip = trip_from(rest, format_name="nmea" if kind == "nmea+file" else None)
+    return TripReplay(trip, begin_s=now_s(), times_as_fast=times_as_fast)
+
+
+def check_gnss_source(text: str) -> None:
+    """Refuse what names no source of fixes; nothing is opened.
+
+    Parameters
+    ----------
+    text
+        As for `gnss_source`.
+
+    Raises
+    ------
+    ConfigError
+        Where it has no such form.
+    DataFormatError
+        Where it names a file that is none.
+    """
+    kind, _, rest = text.partition(":")
+    if kind not in _KINDS or not (rest or kind == "gpsd"):
+        raise ConfigError(f"{text!r} is no source of fixes: write {_FORMS}")
+    if kind in {"gpsd", "nmea+tcp"}:
+        _peer(text, rest)
+    elif kind == "nmea":
+        baud = rest.partition("@")[2]
+        if baud and not baud.isdecimal():
+            raise ConfigError(f"{baud!r} in {text!r} is no speed of a serial line, as 115200 is")
+    else:
+        readable_kind(file_and_trip(rest)[0])
 
 
 def bus_source(

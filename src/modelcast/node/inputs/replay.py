@@ -21,7 +21,7 @@ from modelcast.node.inputs.samples import PLAUSIBLE, SAME_S, BusValue, GnssFix, 
 from modelcast.station.sensing.sensing import NOWHERE
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["TripReplay", "trip_from"]
+__all__ = ["TripReplay", "file_and_trip", "trip_from"]
 
 
 @final
@@ -140,6 +140,25 @@ class TripReplay(AbstractSource):
         return samples
 
 
+def file_and_trip(text: str) -> tuple[str, str]:
+    """The path of a text, and the trip's id behind its last ``#``, empty where there is none.
+
+    Parameters
+    ----------
+    text
+        As for `trip_from`.
+
+    Examples
+    --------
+    >>> file_and_trip("drive.csv#drive/7")
+    ('drive.csv', 'drive/7')
+    """
+    if "#" not in text or Path(text).exists():
+        return text, ""
+    path, _, wanted = text.rpartition("#")
+    return path, wanted
+
+
 def trip_from(text: str, *, format_name: str | None = None) -> Trajectory:
     """The trip that a text names: the first of a file, or the one of ``FILE#ID``.
 
@@ -157,7 +176,7 @@ def trip_from(text: str, *, format_name: str | None = None) -> Trajectory:
     DataFormatError
         Where the file is not what its format says.
     """
-    path, _, wanted = text.rpartition("#") if "#" in text and not Path(text).exists() else (text, "", "")
+    path, wanted = file_and_trip(text)
     for trip in read_trips(path, format_name):
         if wanted in {"", trip.trip_id}:
             return trip

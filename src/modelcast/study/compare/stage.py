@@ -151,7 +151,11 @@ def too_short(trip: Trajectory, window: int) -> str | None:
         Samples that some part of it must hold.
     """
     longest = int(np.diff(trip.segments).max())
-    return None if longest >= window else f"its longest part has {longest} samples, a window needs {window}"
+    return (
+        None
+        if longest >= window
+        else f"its longest part has {longest} samples, a window needs {window}: record longer"
+    )
 
 
 def usable_trips(trips: Sequence[Trajectory], window: int) -> tuple[list[Trajectory], dict[str, str]]:
