@@ -31,6 +31,19 @@ settings.register_profile("ci", derandomize=True, deadline=None)
 settings.load_profile("ci")
 
 
+@pytest.fixture(scope="module", autouse=True)
+def letters_of_pdfs() -> Generator[None]:
+    """Draw letters of PDFs as outlines: to pick those of a font is a third of the time of an evaluation.
+
+    Where the files themselves matter, a folder or module has a fixture of this name that leaves them alone.
+    """
+    from modelcast.report import style  # noqa: PLC0415 - Matplotlib, when the first test runs
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(style._PARAMETERS, "pdf.fonttype", 3)
+        yield
+
+
 @pytest.fixture(scope="session")
 def concrete_classes() -> Callable[[type[Any]], set[type[Any]]]:
     """All classes below a base that modules of `modelcast` define and that can be instantiated."""

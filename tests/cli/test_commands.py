@@ -22,6 +22,11 @@ from modelcast.world.drive import generate_drive
 SMALL = ("--threshold", "0.3", "--per", "0", "0.4", "--seeds", "2", "--quiet")
 
 
+@pytest.fixture(scope="module", autouse=True)
+def letters_of_pdfs() -> None:
+    """Leave them as users get them: another process writes the same bytes."""
+
+
 @pytest.fixture(scope="session")
 def short_drive() -> Trajectory:
     """The first 40 s of a generated drive, with speed and heading."""

@@ -125,9 +125,14 @@ def test_every_block_says_what_it_is() -> None:
 
 
 @pytest.mark.parametrize("block", PROGRAMS)
+def test_a_program_compiles(block: Block) -> None:
+    compile(block.text, block.place, "exec")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", PROGRAMS)
 def test_a_program_prints_what_it_shows(block: Block, folder: Path, request: pytest.FixtureRequest) -> None:
     if block.not_run:
-        compile(block.text, block.place, "exec")
         return
     bring_trace(block.text)
     bring_data(block.text, folder, request)

@@ -154,3 +154,10 @@ def test_a_folder_that_modelcast_wrote_holds_its_trips_alone(made):
     found = list(Recordings([made.folder], None, on_skipped=lambda *told: left.append(told)))
     assert len(found) == 1
     assert left == []
+
+
+def test_an_optional_column_without_any_value_is_as_if_it_were_not_there(made):
+    rows = straight("time,x,y,speed").replace("20.0000", "20.0000,")
+    trip = one(made, rows.replace("speed", "speed,heading_deg", 1))
+    assert trip.heading_rad is None
+    assert dict(trip.reading.repaired) == {}

@@ -76,6 +76,11 @@ class Page(HTMLParser):
             self.text += data
 
 
+@pytest.fixture(scope="module", autouse=True)
+def letters_of_pdfs() -> None:
+    """Leave them as users get them."""
+
+
 @pytest.fixture(scope="session")
 def read_page() -> Callable[[str], Page]:
     """What takes a page apart."""

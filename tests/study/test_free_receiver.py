@@ -63,6 +63,17 @@ def test_at_equal_rate_it_sends_as_many_messages_at_every_loss_ratio(found: Eval
         assert row.message_rate_hz == pytest.approx(wanted_hz, rel=RATE_GRAIN)
 
 
+def test_a_loss_ratio_alone_gives_the_same_errors(drive: Trajectory, found: EvaluationResult) -> None:
+    """The sender expects the losses of its own run, whatever others are run."""
+    alone = evaluate([drive], replace(SETTINGS, packet_error_ratios=(0.4,)))
+    rows, others = (
+        [row for row in one.tracking if row.policy == "free-matched" and row.packet_error_ratio == 0.4]
+        for one in (alone, found)
+    )
+    assert rows
+    assert rows == others
+
+
 def test_a_basis_that_counts_other_messages_is_run_apart(drive: Trajectory) -> None:
     settings = replace(SETTINGS, bank=PAPER_BANK, packet_error_ratios=(0.4,))
     rows = {

@@ -236,11 +236,18 @@ class _TableRows(AbstractKeyedRows[str]):
         return rows
 
 
+def _without_blank_columns(rows: Rows) -> Rows:
+    """Return the rows without optional columns that hold nothing, as if the table did not have them."""
+    blank = {name for name in OPTIONAL if name in rows.columns and np.isnan(rows.columns[name]).all()}
+    return Rows(rows.line, {name: column for name, column in rows.columns.items() if name not in blank})
+
+
 def _trip(
     path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int, time: TimeUnit,
     shared_origin: Origin | None, one_clock: bool, vehicle: str, speed: str, unsorted: str,
 ) -> Trajectory | None:  # fmt: skip
     """Return one vehicle's trip, or None where no row is usable."""
+    rows = _without_blank_columns(rows)
     columns = rows.columns
     geodetic = "latitude_deg" in columns
     x, y = ("latitude_deg", "longitude_deg") if geodetic else ("east_m", "north_m")

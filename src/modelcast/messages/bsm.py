@@ -172,9 +172,12 @@ def encode_bsm(
     >>> len(encode_bsm(core)), len(encode_bsm(core, regional=((128, bytes(20)),)))
     (40, 62)
     """
-    if not isinstance(core, BsmCore):
+    try:
+        codes = core.codes
+    except AttributeError:
         require_type("core", core, BsmCore, remedy="give modelcast.BsmCore.from_values({...})")
-    whole = sum([code - low << shift for code, (low, shift) in zip(core.codes, _PUT, strict=True)])
+        raise
+    whole = sum([code - low << shift for code, (low, shift) in zip(codes, _PUT, strict=True)])
     if not (part_ii or regional or additions or frame_additions):
         # Preamble and padding are zero bits, and the header is always the same.
         return (_CORE_HEADER | whole << _SPARE_BITS).to_bytes(3 + CORE_OCTETS, "big")

@@ -210,7 +210,7 @@ TRACKING = TableSchema(
             "Policy: mbc, or the name of another that decides (`--policy`); baseline (error-driven at the "
             "same threshold), baseline-periodic or baseline-matched (error-driven with its threshold "
             "bisected to the rate); free (the free receiver at the same threshold), or free-matched (with "
-            "its threshold bisected to the rate).",
+            "a threshold of its own that comes near to the rate).",
         ),
         _BANK,
         text(

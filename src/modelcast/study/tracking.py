@@ -20,7 +20,7 @@ from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.periodic import Periodic
 from modelcast.study.case import TripCase
 from modelcast.study.histogram import Histogram
-from modelcast.study.matching import matched_threshold
+from modelcast.study.matching import matched_threshold, threshold_near
 from modelcast.study.rules import FREE_MATCHED, FREE_RECEIVER, RATE_BASES, RateBasis
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.jumps import jumps_between
@@ -34,9 +34,6 @@ __all__ = [
     "run_tracking",
     "walks_under_loss",
 ]
-
-_FREE_BISECTIONS = 10
-"""Of the free receiver's threshold, 1 mm to 64 m, once a loss ratio: to about 1 % of the messages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,8 +168,9 @@ def run_tracking(
         )
         yield from rivals
         if beside is not None:
-            yield beside.at_threshold(threshold_m)
-            yield from beside.at_equal_rate(threshold_m, walks)
+            sent = walks_under_loss([beside.ready], settings.of_free, threshold_m)
+            yield beside.at_threshold(threshold_m, sent)
+            yield from beside.at_equal_rate(threshold_m, sent, walks)
 
 
 def walks_under_loss(
@@ -436,57 +434,62 @@ class FreeRuns:
     """
 
     def __init__(self, ready: TripRuntime, runs: LossRuns, settings: EvaluationSettings) -> None:
-        self._ready = ready
+        self.ready = ready
         self._runs = runs
         self._settings = settings
-        self._counts: dict[tuple[float, float], int] = {}
 
-    def at_threshold(self, threshold_m: float) -> TrackingRun:
+    def at_threshold(self, threshold_m: float, sent: Sequence[TripMessages]) -> TrackingRun:
         """Its errors at a threshold.
 
         Parameters
         ----------
         threshold_m
             Threshold [m].
+        sent
+            What it sends at it, as `walks_under_loss` gives it.
         """
-        walks = walks_under_loss([self._ready], self._settings, threshold_m)
-        return self._runs.walked(self._ready, walks, self._shown(FREE_RECEIVER, None, threshold_m))
+        return self._runs.walked(self.ready, sent, self._shown(FREE_RECEIVER, None, threshold_m))
 
-    def at_equal_rate(self, threshold_m: float, walks: Sequence[TripMessages]) -> Iterator[TrackingRun]:
-        """Yield its errors at the rate of another sender, on either basis; its threshold is bisected.
+    def at_equal_rate(
+        self, threshold_m: float, sent: Sequence[TripMessages], walks: Sequence[TripMessages]
+    ) -> Iterator[TrackingRun]:
+        """Yield its errors at the rate of another sender, on either basis, by a threshold of its own.
 
         Parameters
         ----------
         threshold_m
             Threshold that names the comparison [m].
+        sent
+            What it sends at that threshold: the search begins there.
         walks
             What the other sent, as in `LossRuns.walked`.
         """
+        ratios = self._settings.packet_error_ratios if self._settings.belief == "expected" else (0.0,)
 
         def runs_of(basis: RateBasis) -> list[TrackingRun]:
             wanted = messages_of(walks, basis)
-            ratios = self._settings.packet_error_ratios if self._settings.belief == "expected" else (0.0,)
             runs = max(len(wanted), len(ratios))
-            asked = zip(wanted * (runs // len(wanted)), ratios * (runs // len(ratios)), strict=True)
-            matched = [self._matched(messages, ratio) for messages, ratio in asked]
-            shown_as = self._shown(FREE_MATCHED, basis, threshold_m)
-            return [self._runs.walked(self._ready, matched, shown_as)]
+            asked = zip(
+                wanted * (runs // len(wanted)),
+                ratios * (runs // len(ratios)),
+                list(sent) * (runs // len(ratios)),
+                strict=True,
+            )
+            matched = [self._matched(messages, ratio, first) for messages, ratio, first in asked]
+            return [self._runs.walked(self.ready, matched, self._shown(FREE_MATCHED, basis, threshold_m))]
 
         return by_basis(walks, RATE_BASES, runs_of)
 
     def _shown(self, policy: str, basis: RateBasis | None, threshold_m: float) -> Contender:
-        return Contender(policy, self._ready.bank.name, basis, threshold_m)
+        return Contender(policy, self.ready.bank.name, basis, threshold_m)
 
-    def _matched(self, messages: int, ratio: float) -> TripMessages:
-        """The walk whose count of messages comes nearest, at a loss ratio."""
+    def _matched(self, messages: int, ratio: float, first: TripMessages) -> TripMessages:
+        """A walk of about so many messages at a loss ratio, searched from another walk on."""
+        walks = {first.policy.threshold_m: first}
 
         def count(threshold_m: float) -> int:
-            key = threshold_m, ratio
-            if key not in self._counts:
-                self._counts[key] = self._run(threshold_m, ratio).updates
-            return self._counts[key]
+            if threshold_m not in walks:
+                walks[threshold_m] = self.ready.run(self._settings.under_loss(threshold_m, ratio))
+            return walks[threshold_m].updates
 
-        return self._run(matched_threshold(count, messages, bisections=_FREE_BISECTIONS), ratio)
-
-    def _run(self, threshold_m: float, ratio: float) -> TripMessages:
-        return self._ready.run(self._settings.under_loss(threshold_m, ratio))
+        return walks[threshold_near(count, messages, first.policy.threshold_m)]
