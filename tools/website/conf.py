@@ -17,7 +17,6 @@ language = "en"
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
     "public_references",
     "docstring_text",
@@ -31,7 +30,6 @@ myst_heading_anchors = 6
 myst_enable_extensions: list[str] = []
 
 default_role = "py:obj"
-autosummary_generate = False
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_member_order = "bysource"

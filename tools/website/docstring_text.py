@@ -31,6 +31,10 @@ def _keep_colon(_app: Sphinx, what: str, _name: str, _thing: Any, _options: Any,
         lines[:0] = ["..", ""]
 
 
+def _short(text: str) -> str:
+    return _BOUND.sub(r"\1", _ARRAY.sub(r"~numpy.typing.NDArray[\1]", text)).replace("<factory>", "...")
+
+
 def _shorten(
     _app: Sphinx,
     _what: str,
@@ -40,11 +44,8 @@ def _shorten(
     signature: str | None,
     returns: str | None,
 ) -> tuple[str | None, str | None]:
-    """Name arrays and bounded values shortly."""
-    short = [
-        text and _BOUND.sub(r"\1", _ARRAY.sub(r"~numpy.typing.NDArray[\1]", text))
-        for text in (signature, returns)
-    ]
+    """Name arrays and bounded values shortly; a default that is made is no Python, and left to the text."""
+    short = [text and _short(text) for text in (signature, returns)]
     return short[0], short[1]
 
 

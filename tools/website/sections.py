@@ -2,7 +2,7 @@
 
 import inspect
 import posixpath
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -10,7 +10,7 @@ from navigation import FRONT_PAGE, Group, Section
 from sources import staged
 
 import modelcast
-from modelcast.core.public_names import names_by_subject
+from modelcast.core.public_names import names_by_subject, summary_of
 
 __all__ = ["INTERFACE", "write_sections"]
 
@@ -79,21 +79,29 @@ def _contents(title: str, entries: Sequence[_Entry]) -> str:
 
 def _write_interface(folder: Path) -> Iterator[_Entry]:
     """Write a page for each subject of the public interface."""
-    for subject, names in names_by_subject(modelcast.__dict__["_HOMES"]):
+    homes: Mapping[str, str] = modelcast.__dict__["_HOMES"]
+    for subject, names in names_by_subject(homes):
         place = PurePosixPath("api") / (subject.lower().replace(",", "").replace(" ", "-") + ".rst")
         lines = [subject, "=" * len(subject), "", ".. currentmodule:: modelcast", ""]
-        lines += [".. autosummary::", "   :nosignatures:", "", *(f"   {name}" for name in names), ""]
+        summaries = {name: summary_of(name, homes[name]) for name in names}
+        lines += [".. list-table::", "   :class: names", ""]
         for name in names:
-            lines += [f".. auto{_kind(getattr(modelcast, name))}:: {name}", ""]
+            lines += [f"   * - `{name}`", f"     - {summaries[name]}"]
+        lines += [""]
+        for name in names:
+            kind = _kind(getattr(modelcast, name))
+            # A constant has its text in the module that defines it, where Sphinx does not look.
+            text = ["", f"   {summaries[name]}"] if kind == "py:data" else []
+            lines += [f".. {kind}:: {name}", *text, ""]
         _write(folder / place, "\n".join(lines))
         yield _Entry(subject, place, ", ".join(f"`{name}`" for name in names))
 
 
 def _kind(thing: object) -> str:
-    """What Sphinx calls it."""
+    """What describes it."""
     if inspect.isclass(thing):
-        return "exception" if issubclass(thing, BaseException) else "class"
-    return "function" if inspect.isroutine(thing) else "data"
+        return "autoexception" if issubclass(thing, BaseException) else "autoclass"
+    return "autofunction" if inspect.isroutine(thing) else "py:data"
 
 
 def _write(place: Path, text: str) -> None:
