@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Generator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -84,7 +84,7 @@ def answered(use: WrongUse, folder: Path) -> Answer:
 
 
 @contextlib.contextmanager
-def _without(module: str) -> Iterator[None]:
+def _without(module: str) -> Generator[None]:
     """Have a module not installed; what else is imported meanwhile stays."""
     if not module:
         yield

@@ -288,6 +288,12 @@ def test_all_details_are_shown_at_one_threshold(make_result: Make) -> None:
         assert sum(shown in text for text in captions(result).values()) == 3
 
 
+def test_a_caption_says_where_thresholds_are_left_out(make_result: Make) -> None:
+    many = captions(make_result(thresholds=tuple(k / 10 for k in range(1, 8))))["tracking_loss"]
+    assert "Of 7 thresholds 4 are drawn" in many
+    assert "are drawn" not in captions(make_result())["tracking_loss"]
+
+
 def test_undefined_values_leave_holes_not_errors(make_result: Make) -> None:
     result = make_result()
     nan = float("nan")

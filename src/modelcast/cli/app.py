@@ -148,7 +148,8 @@ def _attended(arguments: Sequence[str]) -> AbstractContextManager[None]:
 
 def _place_and_reason(error: OSError) -> str:
     remedy = _REMEDIES.get(error.errno or 0, "")
-    return f"{error.filename or 'a file'}: {error.strerror or error}{remedy}"
+    reason = f"{error.strerror or error}{remedy}"
+    return f"{error.filename}: {reason}" if error.filename else reason
 
 
 def _stop_printing() -> int:

@@ -95,10 +95,16 @@ def _swallowed(problem: Any) -> None:
         return
     if os.name == "posix":
         number = signal.SIGTERM if problem.exc_type is Terminated else signal.SIGINT
-        _arrived.sent_again = True
-        again = threading.Timer(_AGAIN_S, os.kill, (os.getpid(), number))
+        again = threading.Timer(_AGAIN_S, _send_again, (number,))
         again.daemon = True
         again.start()
+
+
+def _send_again(number: int) -> None:
+    """Send a signal to this process, where the command has not ended by it in some other way."""
+    if not _arrived.heeded:
+        _arrived.sent_again = True
+        os.kill(os.getpid(), number)
 
 
 def _at_once(number: int, _: FrameType | None) -> None:

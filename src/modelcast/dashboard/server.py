@@ -138,8 +138,9 @@ def listen(host: str, port: int, gate: Gate) -> socket.socket:
     try:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         found.bind(address)
-    except OSError:
+    except OSError as error:
         found.close()
+        error.filename = f"{address[0]}:{address[1]}"
         raise
     return found
 

@@ -1,6 +1,13 @@
 """What each figure of the report shows, with the definitions a reader needs."""
 
-from modelcast.report.headline import detail_threshold_m, main_bank, rate_basis, sender_label
+from modelcast.report.figures.panels import MOST_READINGS
+from modelcast.report.headline import (
+    detail_threshold_m,
+    main_bank,
+    rate_basis,
+    sender_label,
+    thresholds_m,
+)
 from modelcast.study.result import EvaluationResult
 from modelcast.study.wording import centimetres
 
@@ -51,7 +58,7 @@ def captions(result: EvaluationResult) -> dict[str, str]:
     readings = (
         "Left, all run at the same threshold, and the messages of each are named; right, all send as often "
         f"as {sender} ({counted} counted), error-driven with a threshold bisected to that rate, and the "
-        f"baseline also periodically with a random phase. {_RIVALS}."
+        f"baseline also periodically with a random phase. {_RIVALS}.{_thinned(len(thresholds_m(result)))}"
     )
     return {
         "message_rate": (
@@ -87,6 +94,13 @@ def captions(result: EvaluationResult) -> dict[str, str]:
             f"the right all are error-driven at {sender}'s rate ({counted} counted), with {conditions}."
         ),
     }
+
+
+def _thinned(thresholds: int) -> str:
+    """Say where not every threshold has its panels."""
+    if thresholds <= MOST_READINGS:
+        return ""
+    return f" Of {thresholds} thresholds {MOST_READINGS} are drawn; the tables have all."
 
 
 def _of(threshold_m: float | None) -> str:

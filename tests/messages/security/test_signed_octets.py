@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from functools import cache
 from importlib import resources
 from typing import Any, get_args
 
@@ -20,9 +21,16 @@ CERTIFICATE = Certificate(
     bytes(range(8)), 0x01020304, duration_s=3600, public_key=b"\x02" + bytes(32), signature=b"\x55" * 64
 )
 UNITS_S = dict(zip(get_args(DurationUnit), (1, 60, 3600, 216_000, 31_556_952), strict=True))
-OURS: Any = asn1tools.compile_string(
-    resources.files("modelcast.messages.security").joinpath("ieee1609dot2.asn").read_text("ascii"), "oer"
-)
+
+
+@cache
+def ours() -> Any:
+    """Codec of our own module."""
+    return asn1tools.compile_string(
+        resources.files("modelcast.messages.security").joinpath("ieee1609dot2.asn").read_text("ascii"), "oer"
+    )
+
+
 JUDGE: Any = ITS_IEEE1609_2.Ieee1609Dot2.Ieee1609Dot2Data
 
 octets64 = st.binary(min_size=64, max_size=64)
@@ -130,13 +138,13 @@ def test_another_implementation_of_the_standard_writes_the_same_octets(message: 
 @given(messages)
 def test_our_own_module_describes_the_octets(message: SignedMessage) -> None:
     given = message_value(message, null=None, defaults={})
-    assert OURS.encode("Ieee1609Dot2Data", given) == message.octets
+    assert ours().encode("Ieee1609Dot2Data", given) == message.octets
 
 
 @given(st.binary(max_size=500))
 def test_unsecured_data_are_what_the_module_says(payload: bytes) -> None:
     given = {"protocolVersion": 3, "content": ("unsecuredData", payload)}
-    assert OURS.encode("Ieee1609Dot2Data", given) == encode_unsecured(payload)
+    assert ours().encode("Ieee1609Dot2Data", given) == encode_unsecured(payload)
 
 
 @given(st.binary(max_size=300) | messages.map(lambda message: message.octets), st.data())
