@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from registry import BENCHMARKS
+from registry import BENCHMARKS, PROGRAMS
 from run_all import RESULTS, read_results
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -32,7 +32,8 @@ def blocks(results: Results) -> dict[str, list[str]]:
     """Return the lines of every block of the page."""
     return {
         "machine": _machine(results),
-        "peers": _peers(results),
+        "programs": _peers(results, programs=True),
+        "parts": _peers(results, programs=False),
         "growth": _growth(results),
         "limit": _limit(results),
         "benchmarks": _benchmarks(results),
@@ -77,12 +78,12 @@ def _dates(results: Results) -> str:
     return f"all, {days[0]}" + (f" to {days[-1]}" if len(days) > 1 else "")
 
 
-def _peers(results: Results) -> list[str]:
-    """A row for every number with a peer: both costs, and how many times ours the peer's is."""
+def _peers(results: Results, *, programs: bool) -> list[str]:
+    """A row for every number with a peer, of others or our own: both costs, and the peer's over ours."""
     lines = ["| job | modelcast | beside it | its cost | times | load |", "|---|--:|---|--:|--:|--:|"]
     for name, result in results.items():
         for one in result["records"]:
-            if "peer" not in one or name == LIMIT:
+            if "peer" not in one or name == LIMIT or one["peer"].startswith(PROGRAMS) is not programs:
                 continue
             unit = one["unit"]
             lines.append(
@@ -93,7 +94,7 @@ def _peers(results: Results) -> list[str]:
 
 
 def _job(record: Mapping[str, Any]) -> str:
-    sizes = ", ".join(f"{size:,g} {counted}" for counted, size in record.get("sizes", {}).items())
+    sizes = ", ".join(f"{size:,.10g} {counted}" for counted, size in record.get("sizes", {}).items())
     return f"{record['what']} ({sizes})" if sizes else str(record["what"])
 
 
@@ -109,7 +110,7 @@ def _growth(results: Results) -> list[str]:
         for (what, counted, unit), costs in jobs.items():
             if len(costs) < SIZES:
                 continue
-            told = ", ".join(f"{size:,g}: {_number(costs[size])}" for size in sorted(costs))
+            told = ", ".join(f"{size:,.10g}: {_number(costs[size])}" for size in sorted(costs))
             grown = costs[max(costs)] / costs[min(costs)]
             lines.append(
                 f"| `{name}`: {what} | {unit} | {counted} {told} | {_number(grown)} | {_load(result)} |"

@@ -6,7 +6,7 @@ messages or metres, or make a file once; they measure no cost, and nothing here 
 
 from dataclasses import KW_ONLY, dataclass
 
-__all__ = ["BENCHMARKS", "PARTS", "STUDIES", "Benchmark"]
+__all__ = ["BENCHMARKS", "PARTS", "PROGRAMS", "STUDIES", "Benchmark"]
 
 DATA, NS3 = "MODELCAST_DATA", "MODELCAST_NS3_PYTHON"
 SECONDS, MINUTES, HOURS = "seconds", "minutes", "hours"
@@ -194,6 +194,9 @@ BENCHMARKS = (
         words=("--work", "FOLDER"),
     ),
 )
+
+PROGRAMS = ("asn1tools", "scikit-learn", "GPy", "GPyTorch", "tinygp", "ns-3")
+"""Peers that are programs of others; the rest is modelcast itself, done otherwise or in part."""
 
 PARTS = {
     "corpus_rows": "rows for the corpus benchmarks",

@@ -115,7 +115,7 @@ def table(results: Mapping[str, Any]) -> list[str]:
     rows = [
         (
             name,
-            " ".join((one["what"], *(f"{key}={size:g}" for key, size in one.get("sizes", {}).items()))),
+            " ".join((one["what"], *(f"{key}={size:.10g}" for key, size in one.get("sizes", {}).items()))),
             f"{one['value']:g} {one['unit']}",
             f"{one['ratio']:g} times for {one['peer']}" if "peer" in one else "",
         )
