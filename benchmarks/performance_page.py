@@ -149,7 +149,9 @@ def _benchmarks(results: Results) -> list[str]:
 
 
 def _ended(result: Mapping[str, Any]) -> str:
-    return "" if result["exit_code"] == 0 else ", missed its aim"
+    """What is to be said of how it ended: benchmarks that have an aim end with 1 where they miss it."""
+    code = result["exit_code"]
+    return "" if code == 0 else f", exit code {code}"
 
 
 def main() -> int:
