@@ -72,7 +72,7 @@ def test_the_courses_of_the_trips_shown_are_drawn_the_same_each_time(corpus: Pat
         asked = ["trips", "--rank", str(corpus), "--top", "2", "--figures", str(folder), "--quiet"]
         assert run(asked) == 0
     names = {path.name for path in folders[0].iterdir()} - {"MANIFEST.txt"}
-    assert names == {f"course_00{at}.{suffix}" for at in (1, 2) for suffix in ("png", "svg")}
+    assert names == {f"course_00{at}.{suffix}" for at in (1, 2) for suffix in ("png", "svg", "pdf")}
     for name in names:
         assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes()
 

@@ -177,3 +177,12 @@ def test_warnings_stand_before_any_figure(make_result: Make) -> None:
     assert document.index("sampled at &lt;5&gt; Hz") < document.index("<h2>Result</h2>")
     clean = replace(result, trips=tuple(replace(trip, warnings={}) for trip in result.trips))
     assert "Warnings" not in report_document(clean, ())
+
+
+def test_a_long_setting_is_shortened_and_says_where_it_is_whole(
+    make_result: Make, page_without_figures: Any
+) -> None:
+    long = "Perceptron(" + ", ".join(map(str, range(1000))) + ")"
+    text = page_without_figures(replace(make_result(), settings={"sub_models": [long], "seed": 5})).text
+    assert f"{long[:240]}\u2026 (whole in summary.json)" in text
+    assert long not in text

@@ -1,5 +1,6 @@
 """Claims: the live page is sound in a browser, of a drive to try it with and of a node, by phone and desk."""
 
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -15,9 +16,15 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.slow
 
-UDP_PORT = "16797"
 LONGEST_S = 60
 """Until the host has heard a remote."""
+
+
+def _free_port() -> str:
+    """A UDP port that nobody has."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        one.bind(("127.0.0.1", 0))
+        return str(one.getsockname()[1])
 
 
 @contextmanager
@@ -37,7 +44,7 @@ def address(request: pytest.FixtureRequest) -> Iterator[str]:
     pytest.importorskip("uvicorn", reason="the extra `node` brings the server")
     words = {
         "view": ("view", "--demo", "--port", "0"),
-        "node": ("demo-live", "--port", "0", "--udp-port", UDP_PORT, "--duration", "600"),
+        "node": ("demo-live", "--port", "0", "--udp-port", _free_port(), "--duration", "600"),
     }[request.param]
     with _served(*words) as found:
         yield found

@@ -1,7 +1,8 @@
 """Claims: reports are sound in a browser, by phone and desk; what is played is what was evaluated."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,15 +37,17 @@ PHONE, DESK = VIEWS[0], VIEWS[2]
 
 
 @pytest.fixture(scope="module")
-def reports(tmp_path_factory: pytest.TempPathFactory, data_folder: Path) -> dict[str, str]:
-    """Addresses of the reports by the command that writes them."""
+def report_of(tmp_path_factory: pytest.TempPathFactory, data_folder: Path) -> Callable[[str], str]:
+    """What gives the address of the report that a command writes; each runs once."""
     folder = tmp_path_factory.mktemp("reports")
-    found: dict[str, str] = {}
-    for name, words in COMMANDS.items():
-        given = [word.format(data=data_folder) for word in words]
+
+    @cache
+    def written(name: str) -> str:
+        given = [word.format(data=data_folder) for word in COMMANDS[name]]
         assert run([*given, "--out", str(folder / name), "--quiet"]) == 0
-        found[name] = (folder / name / "report.html").as_uri()
-    return found
+        return (folder / name / "report.html").as_uri()
+
+    return written
 
 
 @pytest.fixture(scope="module")
@@ -73,9 +76,11 @@ def page(browser: "Browser", address: str) -> Iterator["Page"]:
 @pytest.mark.real
 @pytest.mark.parametrize("name", COMMANDS)
 @pytest.mark.parametrize("view", [VIEWS[0], VIEWS[3]], ids=str)
-def test_a_report_has_no_fault(browser: "Browser", reports: dict[str, str], name: str, view: View) -> None:
+def test_a_report_has_no_fault(
+    browser: "Browser", report_of: Callable[[str], str], name: str, view: View
+) -> None:
     """Reports look the same by day and at night, so each size is looked at once."""
-    assert faults(browser, reports[name], view) == []
+    assert faults(browser, report_of(name), view) == []
 
 
 @pytest.mark.parametrize("view", VIEWS[::2], ids=str)

@@ -38,6 +38,7 @@ from modelcast.study.table import Row
 
 __all__ = ["report_document", "write_report"]
 
+_LONGEST_SETTING = 240
 _MOST_TRACKING_ROWS = 600
 """Above this, the rows of single trips are left to ``summary.json``: a browser must open the page at once."""
 
@@ -91,7 +92,9 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         "<h2>Tracking</h2>",
         _tracking_section(result),
         "<h2>Settings</h2>",
-        Cells(["setting", "value"], _settings(result.settings)).html(),
+        Cells(
+            ["setting", "value"], [(name, _shortened(text)) for name, text in _settings(result.settings)]
+        ).html(),
         "<h2>Not evaluated</h2>",
         _failures(result.failures),
         _skipped(result.skipped),
@@ -328,6 +331,13 @@ def _conditioning_table(trips: Sequence[TripRow]) -> str:
 
 def _pairs(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{reason}: {count}" for reason, count in sorted(counts.items())) or "0"
+
+
+def _shortened(text: str) -> str:
+    """Return a setting as a line or three: a trained sub-model prints as pages of numbers."""
+    if len(text) <= _LONGEST_SETTING:
+        return text
+    return f"{text[:_LONGEST_SETTING]}\u2026 (whole in summary.json)"
 
 
 def _settings(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
