@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from measured import record
 from modelcast.messages.asn1 import (
     message_of_reference_value,
     reference_codec,
@@ -127,6 +128,9 @@ def speed(seed: int) -> bool:
     peer_s = seconds["asn1tools encode"] + seconds["asn1tools decode"]
     batch = peer_s / (seconds["batch encode"] + seconds["batch decode"])
     single = peer_s / (seconds["single encode"] + seconds["single decode"])
+    for how, ratio in (("batch", batch), ("single", single)):
+        cost_us = 1e6 * float(seconds[f"{how} encode"] + seconds[f"{how} decode"])
+        record(f"encode and decode, {how}", cost_us, "µs a message", peer=("asn1tools", ratio * cost_us))
     print(f"encode and decode are {batch:.0f} times as fast in batches of {BATCH}, {single:.1f} times singly")
     return bool(batch >= LEAST_BATCH_RATIO and single >= LEAST_SINGLE_RATIO)
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from measured import record
 from modelcast.station.policy import j2945_kernels, neighbours_kernels
 from modelcast.station.policy.j2945 import J2945
 from modelcast.station.policy.neighbours import neighbour_tables
@@ -111,10 +112,19 @@ def main() -> None:
             one = 1e9 / fleet.host.size
             size = sum(column.nbytes for column in fleet.tables) / 1e6
             order = "by host" if by_host else "by sender"
+            heard, surveyed, counted = (
+                one * best_of_three(run) for run in (fleet.hear, fleet.survey, fleet.count)
+            )
+            stepped = 1e9 * step_time(hosts) / hosts
+            for what, cost, unit in (
+                (f"hear, {order}", heard, "ns a message"),
+                (f"survey, {order}", surveyed, "ns a remote"),
+                (f"step, {order}", stepped, "ns a vehicle"),
+            ):
+                record(what, cost, unit, sizes={"hosts": hosts})
             print(
-                f"{hosts:5d}  {order:9s}{one * best_of_three(fleet.hear):17.1f}"
-                f"{one * best_of_three(fleet.survey):20.1f}{one * best_of_three(fleet.count):19.1f}"
-                f"{1e9 * step_time(hosts) / hosts:19.0f}{size:6.0f}"
+                f"{hosts:5d}  {order:9s}{heard:17.1f}{surveyed:20.1f}{counted:19.1f}"
+                f"{stepped:19.0f}{size:6.0f}"
             )
 
 

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from corpus_rows import write_rows
+from measured import record
 
 __all__ = ["Run", "digests", "family", "ingest", "main", "measured"]
 
@@ -143,6 +144,9 @@ def main() -> None:
             run = ingest(source, out, jobs, more)
             corpus_mb = sum(file.stat().st_size for file in out.rglob("*") if file.is_file()) / 1e6
             rows = millions * MILLION
+            sizes = {"rows": rows, "processes": jobs}
+            record("ingest", rows / run.processor_s, "rows/s and core", sizes=sizes)
+            record("ingest, memory", run.resident_bytes / 2**20, "MiB", sizes=sizes)
             print(
                 f"| {rows:,} | {text_mb:,.0f} | {jobs} | {run.wall_s:.1f} | {rows / run.wall_s:,.0f} | "
                 f"{rows / run.processor_s:,.0f} | {run.resident_bytes / 2**20:,.0f} | {corpus_mb:,.0f} |",

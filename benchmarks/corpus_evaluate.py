@@ -13,6 +13,7 @@ from pathlib import Path
 
 from corpus import MILLION, ingest, measured
 from corpus_rows import write_rows
+from measured import record
 
 COMMAND = (sys.executable, "-m", "modelcast", "evaluate")
 
@@ -41,6 +42,9 @@ def main() -> None:
             words = [str(corpus), "--rates-only", "--out", str(out), "--jobs", str(jobs), "--quiet"]
             run = measured([*COMMAND, *words])
             rows = millions * MILLION
+            sizes = {"rows": rows, "processes": jobs}
+            record("evaluate", rows / run.processor_s, "rows/s and core", sizes=sizes)
+            record("evaluate, memory", run.resident_bytes / 2**20, "MiB", sizes=sizes)
             rates = f"{rows / run.wall_s:,.0f} | {rows / run.processor_s:,.0f}"
             print(
                 f"| {rows:,} | {jobs} | {run.wall_s:.0f} | {run.processor_s:.0f} | {rates} | "

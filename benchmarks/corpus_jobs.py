@@ -19,6 +19,7 @@ from pathlib import Path
 
 from corpus import Run, digests, family, ingest, measured
 from corpus_rows import write_rows
+from measured import record
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "validation"))
@@ -96,6 +97,7 @@ def main() -> None:
         "|---|--:|--:|--:|--:|---|",
     ]
     first: dict[str, str] = {}
+    alone_s = 0.0
     for name, where, kills in (
         ("`--jobs 1`", ("--jobs", "1"), False),
         ("`--jobs 2`", ("--jobs", "2"), False),
@@ -106,6 +108,8 @@ def main() -> None:
         killer = Killer(out)
         run, found = compare(corpus, out, *where, meanwhile=killer if kills else lambda _: None)
         first = first or found
+        alone_s = alone_s or run.wall_s
+        record(f"compare, {name}", run.wall_s, "s", peer=("one process", alone_s), sizes={"rows": asked.rows})
         if kills and not killer.killed:
             raise SystemExit("no worker was killed: give it more rows")
         lines.append(

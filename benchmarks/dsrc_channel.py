@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from measured import record
 from modelcast.channel.dsrc import Dsrc
 from modelcast.channel.nr import Nr
 from modelcast.channel.radio import AbstractRadio, Transmissions
@@ -70,11 +71,14 @@ def main() -> None:
             wheel = comparison.folder_of(python)
             program = comparison.build(VALIDATION / "ns3_broadcast.cc", wheel)
             took_s = comparison.theirs(program, wheel, where, 0, Path(name))[1].processor_s
+        record("200 nodes at 10 Hz", own_s, "s", peer=("ns-3", took_s))
         print(f"  ns-3: {took_s:.2f} s, {took_s / own_s:.0f} times as long")
     for title, radio in (("802.11p", Dsrc()), ("mode 4", Sidelink()), ("NR mode 2", Nr())):
         fleet_s(radio, 20, 5.0)  # compiles
-        for vehicles, rate_hz in ((1000, 2.0), (1000, 5.0), (1000, 10.0), (5000, 5.0)):
+        for vehicles, rate_hz in ((1000, 2.0), (1000, 5.0), (1000, 10.0), (2500, 5.0), (5000, 5.0)):
             spent_s, ratio = fleet_s(radio, vehicles, rate_hz)
+            name = f"{title}, {rate_hz:g} Hz"
+            record(name, spent_s, "s a simulated second", sizes={"vehicles": vehicles})
             print(
                 f"{title}, {vehicles} vehicles at {rate_hz:.0f} Hz: {spent_s:.3f} s a simulated second,"
                 f" channel busy ratio {ratio:.2f}"

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
+from measured import record
 from modelcast.io.record_files import RecordFiles
 from modelcast.study.evaluate import evaluate
 from modelcast.study.settings import EvaluationSettings
@@ -29,6 +30,7 @@ def drives(hours: int) -> Iterator[Trajectory]:
     """Two generated drives an hour; tells the peak after each hour."""
     for at in range(round(hours * 3600.0 / DRIVE_S)):
         if at % 2 == 0:
+            record("peak of an evaluation", peak_mib(), "MiB", sizes={"hours": at // 2})
             print(f"  after {at // 2} h: {peak_mib():.0f} MiB", flush=True)
         yield generate_drive(seed=at, duration_s=DRIVE_S).truth
 
@@ -43,6 +45,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
         records = None if asked.keep else stack.enter_context(RecordFiles(Path(folder)))
         result = evaluate(drives(asked.hours), EvaluationSettings(), records=records)
+        record("peak of an evaluation", peak_mib(), "MiB", sizes={"hours": asked.hours})
         print(f"  after {asked.hours} h: {peak_mib():.0f} MiB, {len(result.trips)} trips")
 
 

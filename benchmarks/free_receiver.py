@@ -7,6 +7,7 @@ import argparse
 import time
 from dataclasses import replace
 
+from measured import record
 from modelcast.station.banks import PAPER_BANK
 from modelcast.study.case import SensedTrip
 from modelcast.study.evaluate import evaluate
@@ -33,6 +34,8 @@ def main() -> None:
                 evaluate([trip], given)
                 best_s[beside] = min(best_s[beside], time.process_time() - begin_s)
         ratio = best_s[True] / best_s[False]
+        told = f"evaluation with the free receiver, {name} bank"
+        record(told, best_s[True], "s", peer=("without it", best_s[False]))
         print(f"{name}: {best_s[True]:.2f} s with, {best_s[False]:.2f} s without, {ratio:.2f} times")
 
 

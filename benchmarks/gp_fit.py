@@ -1,7 +1,8 @@
 """How fast is the exact fit, and does it find the likelihood's maximum? scikit-learn in the same run.
 
 Likelihoods are computed anew by dense algebra in extended precision from the hyper-parameters that each
-program returns, so that neither program's bookkeeping counts. One thread throughout; needs the real trips.
+program returns, so that neither program's bookkeeping counts. Processor times of one thread throughout; needs
+the real trips.
 """
 
 import argparse
@@ -15,6 +16,7 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, DotProduct, WhiteKernel
 from threadpoolctl import threadpool_limits
 
+from measured import record
 from modelcast.models.base import Windows
 from modelcast.models.gp import GaussianProcess, fit_axis
 from modelcast.models.point_kernels import SAMPLE_COLUMNS
@@ -39,16 +41,16 @@ def peer(form: str, starts: int) -> GaussianProcessRegressor:
 
 
 def peer_fits(y: Array, form: str, starts: int) -> tuple[Array, float]:
-    """Return (lengthscale, noise, slope, variance), (B, 4), and the seconds a fit."""
+    """Return (lengthscale, noise, slope, variance), (B, 4), and the seconds of the processor a fit."""
     t = times(y.shape[1])[:, None]
     found: list[Array] = []
-    begin = time.perf_counter()
+    begin = time.process_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         for window in y:
             theta = np.exp(peer(form, starts).fit(t, np.squeeze(window)).kernel_.theta)
             found.append(theta[[1, 3, 2, 0]])
-    return np.array(found), (time.perf_counter() - begin) / len(y)
+    return np.array(found), (time.process_time() - begin) / len(y)
 
 
 def times(samples: int) -> Array:
@@ -82,13 +84,13 @@ def log_likelihood(y: Array, form: str, hyper: Array) -> Array:
 
 
 def least_seconds(work: Callable[[], object], repeats: int = 15) -> float:
-    """Return the least duration of several runs, after one that compiles."""
+    """Return the least processor time of several runs, after one that compiles."""
     work()
     spent: list[float] = []
     for _ in range(repeats):
-        begin = time.perf_counter()
+        begin = time.process_time()
         work()
-        spent.append(time.perf_counter() - begin)
+        spent.append(time.process_time() - begin)
     return min(spent)
 
 
@@ -101,6 +103,13 @@ def report(label: str, ours: Array, theirs: Array) -> None:
     )
 
 
+def told(what: str, seconds: float, peer_seconds: float) -> None:
+    """Print and keep both times of a fit."""
+    record(what, 1e6 * seconds, "µs", peer=("scikit-learn", 1e6 * peer_seconds))
+    print(f"  ours {seconds * 1e6:.2f} µs a fit, scikit-learn {peer_seconds * 1e3:.2f} ms: ratio", end=" ")
+    print(f"{peer_seconds / seconds:.0f}")
+
+
 def axis_study(windows: Array, timed: int, restarted: int) -> None:
     """Compare the anchored fit of one axis."""
     y = np.ascontiguousarray(windows[:, :, 0] - windows[:, -1:, 0])
@@ -111,8 +120,7 @@ def axis_study(windows: Array, timed: int, restarted: int) -> None:
     ours = log_likelihood(y[:, :, None], "anchored", hyper)
     _, peer_seconds = peer_fits(y[:timed], "anchored", 1)
     print(f"anchored, one axis, noise floor 1 mm, {np.mean(fits.floored):.0%} on the floor")
-    print(f"  ours {seconds * 1e6:.2f} µs a fit, scikit-learn {peer_seconds * 1e3:.2f} ms: ratio", end=" ")
-    print(f"{peer_seconds / seconds:.0f}")
+    told("anchored fit, one axis", seconds, peer_seconds)
     theirs, _ = peer_fits(y, "anchored", 1)
     report("one start ", ours, log_likelihood(y[:, :, None], "anchored", theirs))
     theirs, _ = peer_fits(y[:restarted], "anchored", 10)
@@ -137,12 +145,12 @@ def joint_study(windows: Array, timed: int) -> None:
     ours = log_likelihood(y, "intercept", np.stack([lengthscale, b * s, a * s, s], axis=1))
     theirs, peer_seconds = peer_fits(y[:timed], "intercept", 1)
     print("intercept, east and north jointly")
-    print(f"  ours {seconds * 1e6:.2f} µs a fit, scikit-learn {peer_seconds * 1e3:.2f} ms: ratio", end=" ")
-    print(f"{peer_seconds / seconds:.0f}")
+    told("intercept fit, both axes", seconds, peer_seconds)
     report("one start ", ours[:timed], log_likelihood(y[:timed], "intercept", theirs))
     horizons = np.linspace(0.1, 3.0, 500)
     few = parameters[:40]
     per = least_seconds(lambda: model.predict(few, horizons, dt_s=DT_S)) / (len(few) * horizons.size)
+    record("predict, intercept", per * 1e9, "ns")
     print(f"  predict, called through its pointer: {per * 1e9:.0f} ns")
 
 

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
 from gp_fit import DT_S, least_seconds, log_likelihood, report, times
+from measured import record
 from modelcast.models.gp import fit_axis
 from windows import real_windows
 
@@ -238,12 +239,13 @@ def installed(name: str) -> bool:
     return not missing
 
 
-def compare(run: Run, y: Array, ours: Array, our_seconds: float) -> None:
+def compare(name: str, run: Run, y: Array, ours: Array, our_seconds: float) -> None:
     """Print a peer's time and where its likelihoods are."""
     # The first fit also loads libraries, which the limit must know.
     hyper = run.fit(y)
     with threadpool_limits(1):
         seconds = least_seconds(lambda: run.fit(y), repeats=5) / len(y)
+    record("anchored fit, one axis", 1e6 * our_seconds, "µs", peer=(f"{name}, {run.label}", 1e6 * seconds))
     print(f"  {run.label}: {seconds * 1e3:.2f} ms a fit, ratio to ours {seconds / our_seconds:.0f}")
     report("  our likelihood", ours, log_likelihood(y[:, :, None], "anchored", hyper))
 
@@ -278,7 +280,7 @@ def main() -> None:
             warnings.simplefilter("ignore")
             for run in PEERS[name].runs():
                 count = given.batched if run.batched else given.single
-                compare(run, y[:count], ours[:count], our_seconds)
+                compare(name, run, y[:count], ours[:count], our_seconds)
 
 
 if __name__ == "__main__":

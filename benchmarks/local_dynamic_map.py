@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from measured import record
 from modelcast.channel.frame_radio import copied
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.models.bank import Bank
@@ -50,6 +51,7 @@ def predict(name: str, bank: Bank) -> None:
     batched = least_ms(lambda: bank.predict_at(rows, ages_s, dt_s=DT_S))
     places = least_ms(lambda: around.positions(state, 1.3))
     all_of_it = least_ms(lambda: around.believe(state, 1.3))
+    record(f"places of {MESSAGES} remotes, {name}", places, "ms", peer=("one batched prediction", batched))
     print(
         f"{name}: {MESSAGES} remotes: predict_at {batched:.3f} ms, positions {places:.3f} ms "
         f"({places / batched:.2f} times), believe {all_of_it:.3f} ms"
@@ -67,6 +69,7 @@ def hear(name: str, bank: Bank, remotes: int) -> None:
     fresh = messages(bank, np.arange(MESSAGES) + 10 * remotes, 2 * DT_S)
     known_ms = hearing_ms(around, state, known)
     fresh_ms = hearing_ms(around, state, fresh)
+    record(f"hear {MESSAGES} messages, {name}", known_ms, "ms", sizes={"remotes": remotes})
     print(f"{name}: {MESSAGES} messages, {remotes} remotes: known {known_ms:.2f} ms, new {fresh_ms:.2f} ms")
 
 

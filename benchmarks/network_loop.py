@@ -10,6 +10,7 @@ import time
 
 import numpy as np
 
+from measured import record
 from modelcast.channel.dsrc import Dsrc
 from modelcast.runtime.fleet.engine import run_network
 from modelcast.runtime.fleet.loop import FleetLoop
@@ -50,9 +51,11 @@ def main() -> None:
         seconds = SECONDS if vehicles <= 1000 else 4.0
         frames = frames_of(vehicles, seconds)
         took_s, wall_s, tracks = run_s(frames, "j2945-mbc")
+        each_us = 1e6 * took_s / (10.0 * seconds * vehicles)
+        record("closed loop, 200/km", each_us, "µs a vehicle and step", sizes={"vehicles": vehicles})
         print(
             f"{vehicles} vehicles: {seconds / took_s:.1f} x real time ({seconds / wall_s:.1f} on the wall), "
-            f"{1e6 * took_s / (10.0 * seconds * vehicles):.1f} us a vehicle and step, "
+            f"{each_us:.1f} us a vehicle and step, "
             f"{tracks / 1e6:.2f} million tracks sampled a second",
             flush=True,
         )

@@ -15,6 +15,7 @@ import time
 
 import numpy as np
 
+from measured import record
 from modelcast.models.profile import default_profile
 from modelcast.node.clock import SystemClock
 from modelcast.node.envelope import Opened, Unsecured
@@ -73,6 +74,8 @@ def measure(remotes: int, seconds: float) -> None:
     for one in beside:
         one.join()
     p50, p99 = np.quantile(ages_s, (0.5, 0.99)) * 1e3
+    for name, value in (("p50", p50), ("p99", p99)):
+        record(f"sample to map, {name}", float(value), "ms", sizes={"others": remotes})
     print(
         f"{remotes:5} others: sample to map p50 {p50:.1f} ms, p99 {p99:.1f} ms, most "
         f"{1e3 * ages_s.max():.1f} ms ({ages_s.size} samples); the host's steps are late: {quantiles(late)}"

@@ -20,6 +20,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from measured import record
 from modelcast.apps.registry import get_application
 from modelcast.core.arrays import FloatArray
 from modelcast.core.chance import child_generator
@@ -63,10 +64,11 @@ def main() -> None:
     print(f"{given.remotes} remotes, {given.ticks} ticks, frames of {size:.0f} octets on average")
     gc.collect()
     gc.freeze()
+    sizes = {"remotes": given.remotes}
     for portions in (1, 10, 100, given.remotes):
-        print(
-            f"host, {portions:4} portions a tick: {row(host(sent, portions, Unsecured(), bank))}", flush=True
-        )
+        times_ms = host(sent, portions, Unsecured(), bank)
+        record(f"tick, {portions} portions, median", float(np.median(times_ms)), "ms", sizes=sizes)
+        print(f"host, {portions:4} portions a tick: {row(times_ms)}", flush=True)
     print(f"remote alone: {row(alone(given.ticks, bank))}")
     if given.bank != DEFAULT:
         return
@@ -75,12 +77,19 @@ def main() -> None:
     signed = frames_of(given.remotes, given.ticks // 4, bank, envelopes=others)
     size = np.mean([len(one) for tick in signed for one in tick])
     print(f"signed, frames of {size:.0f} octets on average")
+    bare_ms = bare(given.remotes, given.ticks // 4)
+    peer = "bare verifications", float(np.median(bare_ms))
     for portions in (1, 10):
-        print(
-            f"host, {portions:4} portions a tick: {row(host(signed, portions, envelope(2), bank))}",
-            flush=True,
+        times_ms = host(signed, portions, envelope(2), bank)
+        record(
+            f"tick, signed, {portions} portions, median",
+            float(np.median(times_ms)),
+            "ms",
+            peer=peer,
+            sizes=sizes,
         )
-    print(f"bare verifications: {row(bare(given.remotes, given.ticks // 4))}")
+        print(f"host, {portions:4} portions a tick: {row(times_ms)}", flush=True)
+    print(f"bare verifications: {row(bare_ms)}")
 
 
 def signing() -> Callable[[int], Signed]:

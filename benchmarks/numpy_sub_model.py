@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from measured import record
 from modelcast.channel.dsrc import Dsrc
 from modelcast.core.arrays import FloatArray
 from modelcast.models.bank import Bank
@@ -80,6 +81,7 @@ def shortest_s(first: Callable[[], object], second: Callable[[], object]) -> tup
 def show(what: str, count: float, compiled: Callable[[], object], numpy: Callable[[], object]) -> None:
     """Print a line: microseconds a piece of both, and the ratio."""
     fast_s, slow_s = shortest_s(compiled, numpy)
+    record(what, 1e6 * fast_s / count, "µs", peer=("the same in NumPy", 1e6 * slow_s / count))
     print(
         f"{what:42s} compiled {1e6 * fast_s / count:9.3f} us   NumPy {1e6 * slow_s / count:9.3f} us   "
         f"{slow_s / fast_s:7.1f} times",

@@ -17,6 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from measured import record
 from modelcast import Station
 from modelcast.core.chance import child_generator
 from modelcast.dashboard.document import read_snapshot, snapshot_text
@@ -93,6 +94,7 @@ def text_costs(count: int) -> None:
             work()
             took.append(time.perf_counter() - begun_s)
         middle_ms, most_ms = 1e3 * statistics.median(took), 1e3 * max(took)
+        record(name, middle_ms, "ms", sizes={"remotes": count})
         print(f"{count} remotes, {name}: median {middle_ms:.1f} ms, most {most_ms:.1f} ms")
     print(f"{count} remotes, text: {len(text)} bytes")
 
@@ -134,6 +136,7 @@ async def frames(count: int, seconds: float) -> None:
                     })""",
                     1000 * seconds,
                 )
+                record(f"{name}: animation frames", seen, "a second", sizes={"remotes": count})
                 print(f"{count} remotes, {name}: {drawn:.1f} frames/s drawn, {seen:.1f} animation frames/s")
             await browser.close()
         publishing.cancel()

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from measured import record
 from modelcast.io.trips import read_trips
 from modelcast.models.bank import Bank
 from modelcast.models.constant_velocity import ConstantVelocity
@@ -82,13 +83,16 @@ def timings() -> None:
     )
     checks = Plausibility()
     checks.check(PlausibilityState(), whole)
-    print(f"{VEHICLES} vehicles, {STEPS} steps, one batch a step: {batch_us(checks, whole):.2f} µs a message")
+    check_us = batch_us(checks, whole)
+    record("check a message", check_us, "µs", sizes={"vehicles": VEHICLES})
+    print(f"{VEHICLES} vehicles, {STEPS} steps, one batch a step: {check_us:.2f} µs a message")
     bank = Bank((ConstantVelocity(),))
     for name, around in (
         ("without", LocalDynamicMap((bank,))),
         ("with", LocalDynamicMap((bank,), plausibility=checks)),
     ):
         took_us = map_us(around, whole)
+        record(f"hear a message, {name} plausibility", took_us, "µs", sizes={"remotes": VEHICLES})
         print(f"LocalDynamicMap.hear {name} plausibility, {VEHICLES} remotes: {took_us:.2f} µs a message")
 
 

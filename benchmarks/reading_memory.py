@@ -20,6 +20,8 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
+from measured import record
+
 TRIP_ROWS = 1000
 COLUMNS = ("east_m", "north_m", "speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps")
 FORMS = {
@@ -112,10 +114,12 @@ def lines(folder: Path, rows: int, tasks: Sequence[str]) -> list[str]:
     made = [f"| file | MB | {' | | '.join(tasks)} | |", "|---" * (2 + 2 * len(tasks)) + "|"]
     for name, words in FORMS.items():
         size = (folder / name).stat().st_size / 1e6
-        cells = [
-            f"{found['s']:.0f} s | {found['mib']:.0f} MiB"
-            for found in (run(folder, name, task) for task in tasks)
-        ]
+        cells: list[str] = []
+        for task in tasks:
+            found = run(folder, name, task)
+            record(f"{task}: {words}", found["mib"], "MiB", sizes={"rows": rows})
+            record(f"{task}: {words}, time", found["s"], "s", sizes={"rows": rows})
+            cells.append(f"{found['s']:.0f} s | {found['mib']:.0f} MiB")
         made.append(f"| {words} | {size:,.0f} | {' | '.join(cells)} |")
     machine = "2-core virtual machine, shared with other work, 2026-11-30"
     told = f"{rows:,} rows of {rows // TRIP_ROWS:,} drives ({machine}; `benchmarks/reading_memory.py`):"

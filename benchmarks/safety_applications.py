@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from measured import record
 from modelcast.apps.forward_collision import ForwardCollisionWarning
 from modelcast.apps.motions import Motions
 from modelcast.apps.registry import APPLICATIONS
@@ -41,6 +42,8 @@ def main() -> int:
     )
     near = np.isfinite(margins) | np.isfinite(own)
     apart = np.abs(margins[near] - own[near]).max()
+    record("all applications", every, "ms a step", sizes={"hosts": HOSTS, "remotes": REMOTES})
+    record("forward collision warning alone", each["fcw"], "ms a step", peer=("plain NumPy", peer))
     print(f"all, {HOSTS} hosts x {REMOTES} remotes: {every:.2f} ms a step (target {TARGET_MS:.0f} ms)")
     print(
         f"fcw as plain NumPy: {peer:.2f} ms, {peer / each['fcw']:.1f} times the kernel's; "

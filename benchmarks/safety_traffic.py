@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 
+from measured import record
 from modelcast.world.scenario.base import STEP_S
 from modelcast.world.scenario.braking import BrakingStreams
 from modelcast.world.scenario.grid import Grid
@@ -22,6 +23,7 @@ def streams(name: str, scenario: BrakingStreams) -> None:
             state = scenario.step(state)
         took += time.process_time() - begun
         totals += [state.brakings, state.cut_ins, state.near_collisions, state.contacts]
+    record(name, len(SEEDS) * DURATION_S / took, "times real time", sizes={"vehicles": scenario.slots})
     print(
         f"{name:34s} {scenario.slots:4d} vehicles: {totals[0]:4d} brakings, {totals[1]:4d} cut-ins, "
         f"{totals[2]:4d} near-collisions, {totals[3]:3d} contacts, "

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from measured import record
 from modelcast.node.serving.client import StepClient
 from modelcast.node.serving.server import StepServer
 from modelcast.runtime.external.exchange import Sent, SessionSettings, Step
@@ -141,6 +142,9 @@ def main() -> int:
     waited_s, own_s, messages, receptions = np.array(rows[WARM_STEPS:]).T
     beside_s = waited_s - own_s
     middle = float(np.median(beside_s))
+    stations = "its stations", 1e3 * float(np.median(own_s))
+    sizes = {"vehicles": given.vehicles}
+    record("step protocol beside its stations", 1e3 * middle, "ms a step", peer=stations, sizes=sizes)
     print(
         f"{given.vehicles} vehicles, {messages.mean():.0f} messages and {receptions.mean():.0f} receptions a "
         f"step: {1e3 * np.median(waited_s):.1f} ms, {1e3 * np.median(own_s):.1f} ms of it "

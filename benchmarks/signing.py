@@ -8,6 +8,7 @@ import gc
 import time
 from collections.abc import Callable
 
+from measured import record
 from modelcast.messages.security.authority import Authority
 from modelcast.messages.security.p256 import PrivateKey, PublicKey
 from modelcast.messages.security.signed import decode_signed
@@ -78,7 +79,10 @@ def main() -> None:
         f"verify, certificate new, up to {SENDERS} senders": per_call_us(first, SENDERS),
         "decode alone": per_call_us(lambda: [decode_signed(one) for one in messages]),
     }
+    bare = {"sign": rows["bare signature"], "verify": rows["bare verification"]}
     for name, time_us in rows.items():
+        verb = name.split(" ", 1)[0].rstrip(",")
+        record(name, time_us, "µs", peer=(f"bare, {verb}", bare[verb]) if verb in bare else None)
         print(f"{name:45s} {time_us:7.1f} µs")
 
 

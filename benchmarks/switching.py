@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from measured import record
 from modelcast.io.trips import read_trips
 from modelcast.models.bank import Bank
 from modelcast.models.members import ReadyBank
@@ -78,6 +79,7 @@ def step_times(model: StochasticHybridSystem) -> str:
         )
     ages = ", ".join(f"{age_s:g} s ahead {us:.2f}" for age_s, us in zip(AGES_S, times, strict=True))
     whole = filtered + fitted + times[-1]
+    record(f"{model.name}: filter, fit and predict {AGES_S[-1]:g} s ahead", whole, "µs a vehicle")
     return f"filter {filtered:.2f}, fit {fitted:.2f}, predict {ages}; filter, fit, predict {whole:.2f}"
 
 
@@ -129,6 +131,7 @@ def main() -> None:
     found = train_switching(trips, seed=0)
     spent_s = time.perf_counter() - begin
     steps = found.record["shs"]["steps"]
+    record("training of shs and hdp-hmm", spent_s, "s", sizes={"trips": len(trips)})
     print(f"training both on {len(trips)} trips, {steps} steps: {spent_s:.0f} s")
     if chosen.left_out:
         left_out(trips)
