@@ -1,4 +1,4 @@
-"""Claims about the three sentences that a report begins with."""
+"""Claims about the paragraphs that a report begins with."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,7 +10,13 @@ from modelcast.study.result import RATES, TRACKING, EvaluationResult
 from modelcast.study.table import Row
 
 Make = Callable[..., EvaluationResult]
-BASELINE = "the baseline (plain messages, coasted at constant velocity)"
+
+
+def told(result: EvaluationResult) -> list[str]:
+    """What was found, what was not, the data, the words."""
+    found = findings(result)
+    assert [title for title, _ in found] == ["Found", "Not found", "Data", "Words"][: len(found)]
+    return [text for _, text in found]
 
 
 def with_rates(result: EvaluationResult, mbc: float, free: float = 1.0) -> EvaluationResult:
@@ -47,20 +53,23 @@ def without(result: EvaluationResult, *policies: str) -> EvaluationResult:
     [
         (
             0.5,
-            f"sent fewer messages than {BASELINE}, 0.50 times as many",
+            "sent fewer messages than the baseline (0.50 times as many)",
         ),
         (
             1.0,
-            f"sent as many messages as {BASELINE}, 1.00 times as many",
+            "sent as many messages as the baseline (1.00 times as many)",
         ),
+        (0.97, "sent about as many messages as the baseline (0.97 times as many)"),
+        (1.03, "sent about as many messages as the baseline (1.03 times as many)"),
+        (0.96, "sent fewer messages than the baseline (0.96 times as many)"),
         (
             1.2,
-            f"sent more messages than {BASELINE}, 1.20 times as many",
+            "sent more messages than the baseline (1.20 times as many)",
         ),
     ],
 )
 def test_the_verb_of_messages_is_that_of_their_ratio(make_result: Make, mbc: float, said: str) -> None:
-    assert said in findings(with_rates(make_result(), mbc))[0]
+    assert said in told(with_rates(make_result(), mbc))[0]
 
 
 def test_thresholds_that_differ_are_told_as_a_range(make_result: Make) -> None:
@@ -69,15 +78,17 @@ def test_thresholds_that_differ_are_told_as_a_range(make_result: Make) -> None:
         row.replaced(total_rate_hz=(2.5 if row.threshold_m == 0.2 else 0.5) if row.policy == "mbc" else 1.0)
         for row in result.rates
     )
-    said = findings(replace(result, rates=rates))[0]
+    said = told(replace(result, rates=rates))[0]
     assert "sent fewer or more messages than the baseline" in said
     assert "0.50 to 2.50 times as many" in said
 
 
 def test_mbc_is_told_at_its_first_use(make_result: Make) -> None:
-    first = findings(make_result())[0]
+    first, _, _, words = told(make_result())
     assert first.count("MBC") == 1
-    assert "MBC (model-based communication: a vehicle sends a small model of its motion" in first
+    assert "MBC (model-based communication) sent" in first
+    assert words.startswith("MBC: a vehicle sends a small model of its motion")
+    assert "free receiver: plain messages" in words
     foreign = replace(make_result(), settings={"decided_by": "soon"})
     renamed = {"rates": RATES, "tracking": TRACKING}
     tables = {
@@ -86,22 +97,24 @@ def test_mbc_is_told_at_its_first_use(make_result: Make) -> None:
         )
         for name, schema in renamed.items()
     }
-    assert "soon (a policy for model-based communication:" in findings(replace(foreign, **tables))[0]
+    other = told(replace(foreign, **tables))
+    assert "At the same threshold soon sent" in other[0]
+    assert other[3].startswith("soon: a vehicle sends a small model")
 
 
 @pytest.mark.parametrize(
     ("mbc", "said"),
     [
-        (0.5, "was smaller than that of the better baseline, 0.62 times as large"),
-        (0.8, "was as large as that of the better baseline, 1.00 times as large"),
-        (1.6, "was larger than that of the better baseline, 2.00 times as large"),
+        (0.5, "was smaller than the better baseline's (0.62 times as large)"),
+        (0.8, "was as large as the better baseline's (1.00 times as large)"),
+        (1.6, "was larger than the better baseline's (2.00 times as large)"),
     ],
 )
 def test_errors_at_equal_rate_are_held_against_the_harder_baseline(
     make_result: Make, mbc: float, said: str
 ) -> None:
-    first = findings(with_errors(make_result(), mbc=mbc, baseline_matched=0.8))[0]
-    assert "at the same rate and with 40 % of the messages lost its error (90th percentile)" in first
+    first = told(with_errors(make_result(), mbc=mbc, baseline_matched=0.8))[0]
+    assert "At the same rate, with 40 % of the messages lost, its error (90th percentile)" in first
     assert said in first
 
 
@@ -113,7 +126,7 @@ def test_cells_in_which_mbc_is_worse_are_counted_by_reading_and_the_worst_is_nam
         row.replaced(message_rate_hz=0.5 * worst.message_rate_hz) if row.policy == "mbc" else row
         for row in result.tracking
     )
-    second = findings(replace(result, tracking=halved))[1]
+    second = told(replace(result, tracking=halved))[1]
     assert (
         "the baseline's in all 12 at the same threshold (most at 20 cm, 20 % lost: 2.57 against 1.58 m, "
         "for 0.50 times the messages) and in all 12 at the same rate (most at" in second
@@ -126,25 +139,25 @@ def test_cells_in_which_mbc_is_worse_are_counted_by_reading_and_the_worst_is_nam
 @pytest.mark.parametrize(
     ("half_width", "said"),
     [
-        (0.001, "where the two intervals over the seeds overlap in none of 12"),
-        (2.0, "where the two intervals over the seeds overlap in all 12"),
-        (None, "one seed has no interval that tells this from chance"),
+        (0.001, "its interval over the seeds and the free receiver's overlap in none of 12."),
+        (2.0, "its interval over the seeds and the free receiver's overlap in all 12."),
+        (None, "One seed has no interval that tells this from chance."),
     ],
 )
 def test_what_may_be_chance_is_told(make_result: Make, half_width: float | None, said: str) -> None:
-    assert said in findings(with_errors(make_result(), half_width, mbc=0.5))[1]
+    assert said in told(with_errors(make_result(), half_width, mbc=0.5))[1]
 
 
 def test_a_run_without_loss_says_nothing_of_losses(make_result: Make) -> None:
-    first, second, _ = findings(make_result(ratios=(0.0,)))
-    assert "at the same rate and without loss its error" in first
+    first, second, _, _ = told(make_result(ratios=(0.0,)))
+    assert "At the same rate, without loss, its error" in first
     assert "in none of 4 at the same threshold" in second
-    assert "no message was lost, so nothing is said of losses" in second
-    assert "lost" not in findings(make_result())[1].replace("% lost", "")
+    assert "No message was lost, so nothing is said of losses." in second
+    assert "was lost" not in told(make_result())[1]
 
 
 def test_a_run_of_rates_alone_says_that_no_error_was_measured(make_result: Make) -> None:
-    first, second, _ = findings(replace(make_result(), tracking=TRACKING.table()))
+    first, second, _, _ = told(replace(make_result(), tracking=TRACKING.table()))
     assert "error (90th" not in first
     assert second.startswith("Errors were not measured")
 
@@ -152,19 +165,19 @@ def test_a_run_of_rates_alone_says_that_no_error_was_measured(make_result: Make)
 @pytest.mark.parametrize(
     ("mbc", "free", "said"),
     [
-        (0.5, 0.55, "the free receiver alone saves 0.90 of the messages that are saved over the baseline"),
-        (0.5, 1.2, "the free receiver saves no message over the baseline"),
-        (0.5, 0.4, "the free receiver alone saves 1.20 of the messages"),
+        (0.5, 0.55, "The free receiver alone saves 0.90 of the messages that are saved over the baseline"),
+        (0.5, 1.2, "The free receiver saves no message over the baseline"),
+        (0.5, 0.4, "The free receiver alone saves 1.20 of the messages"),
     ],
 )
 def test_where_the_saving_comes_from_is_told(make_result: Make, mbc: float, free: float, said: str) -> None:
-    assert said in findings(with_rates(make_result(), mbc, free))[1]
+    assert said in told(with_rates(make_result(), mbc, free))[1]
 
 
 def test_nothing_is_said_of_who_was_not_run(make_result: Make) -> None:
-    told = " ".join(findings(without(with_rates(make_result(), 0.5), "free", "free-matched")))
-    assert "free receiver" not in told
-    alone = findings(
+    said = " ".join(told(without(with_rates(make_result(), 0.5), "free", "free-matched")))
+    assert "free receiver" not in said
+    alone = told(
         without(make_result(), "free", "free-matched", "baseline", "baseline-matched", "baseline-periodic")
     )
     assert "was run alone" in alone[0]
@@ -175,27 +188,25 @@ def test_the_data_are_told_with_number_time_origin_and_sensors(make_result: Make
     result = make_result()
     sensor = {"position_noise_m": 0.01, "slow_position_noise_m": 0.0, "heading_noise_rad": 0.0174533}
     seen = replace(result, settings={**result.settings, "sensor": sensor})
-    third = findings(seen)[2]
-    assert third.startswith(
-        "These figures are of 3 trips, 30.1 min, recorded (csv); protocol recorded (2 of them)"
-    )
+    third = told(seen)[2]
+    assert third.startswith("3 trips, 30.1 min, recorded (csv); protocol recorded (2 of them)")
     assert (
         "the truth (smoothed) through sensors with standard errors of 0.01 m in position and 1° in heading"
         in third
     )
-    assert "one trip" not in third
+    assert "One trip" not in third
 
 
 def test_one_generated_trip_is_told_as_such(make_result: Make) -> None:
     result = make_result(trips=("generated/0",))
     made = replace(result, trips=tuple(replace(trip, source="generated") for trip in result.trips))
-    third = findings(made)[2]
+    third = told(made)[2]
     assert "1 trip, 10.0 min, generated by a program, not recorded" in third
-    assert third.endswith("; one trip says nothing of others.")
+    assert third.endswith(". One trip says nothing of others.")
     mixed = make_result()
     first, *others = mixed.trips
     both = replace(mixed, trips=(replace(first, source="generated"), *others))
-    assert "1 of them generated by a program, not recorded, the others recorded (csv)" in findings(both)[2]
+    assert "1 of them generated by a program, not recorded, the others recorded (csv)" in told(both)[2]
 
 
 def test_a_result_of_nothing_has_no_sentence(make_result: Make) -> None:

@@ -5,13 +5,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.markers import MarkerStyle
 from rich.console import Console
 
 from made_rows import filled
 from modelcast.report.figures.files import drawn
-from modelcast.report.figures.network import NETWORK_FIGURES
+from modelcast.report.figures.network import NETWORK_FIGURES, plot_load
 from modelcast.report.figures.senders import Curve, sender_curves, sender_look
 from modelcast.report.network import network_console, network_markdown
 from modelcast.report.style import style
@@ -135,6 +136,12 @@ def test_figures_are_drawn_where_nothing_was_tracked(name: str) -> None:
     with style():
         drawing = drawn(name, NETWORK_FIGURES[name][1](result("paper", pte_p90_m=np.nan)))
     assert drawing.name == name
+
+
+def test_a_figure_of_the_interface_is_in_modelcast_s_style_whatever_matplotlib_s_is() -> None:
+    figure = plot_load(result("default"))
+    assert {axes.yaxis.label.get_fontsize() for axes in figure.axes} == {7.5}
+    assert rcParams["axes.labelsize"] != 7.5
 
 
 def test_a_log_axis_ends_near_its_values_however_wide_an_interval_is() -> None:

@@ -6,7 +6,6 @@ Nothing is printed here; the command line hands what `console_report` returns to
 from collections.abc import Iterable, Mapping, Sequence
 
 from rich.console import Group, RenderableType
-from rich.padding import Padding
 
 from modelcast.core.cells import Cells
 from modelcast.report.console_table import ConsoleTable, console_table
@@ -61,7 +60,8 @@ def console_report(result: EvaluationResult) -> RenderableType:
     """
     parts: list[RenderableType] = warning_texts((trip.id, trip.warnings) for trip in result.trips)
     parts += [literal(line) for line in (scope_line(result), *training_lines(result))]
-    parts += [Padding(literal(sentence), (1, 0, 0, 0)) for sentence in findings(result)]
+    for title, text in findings(result):
+        parts += [literal(""), literal(f"{title}: {text}")]
     parts.append(literal(""))
     parts.append(rates_table(result))
     if result.tracking:

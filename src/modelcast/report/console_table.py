@@ -141,7 +141,7 @@ class ConsoleTable:
             metas = [part.style.meta for part in line if part.style is not None]
             numbers = [int(meta[_PLACE]) for meta in metas if _PLACE in meta]
             if numbers:
-                yield Padding(literal(names[numbers[0]], style="bold"), (0, 1))
+                yield Padding(literal(names[numbers[0]], style="bold"), (0, 1), expand=False)
             else:
                 yield from line
                 yield Segment.line()

@@ -1,4 +1,4 @@
-"""What an evaluation found, what it did not, and on which data: three sentences, made from its rows.
+"""What an evaluation found, what it did not, and on which data, in words made from its rows.
 
 They stand before any table. Rates at one threshold beside errors at one rate would say together what neither
 says: so each sentence names its reading, and the free receiver is held against the model-based sender
@@ -26,13 +26,14 @@ from modelcast.study.wording import centimetres
 __all__ = ["findings"]
 
 _MODELS = (
-    "model-based communication: a vehicle sends a small model of its motion, and the next one when that errs "
-    "by more than the threshold"
+    "a vehicle sends a small model of its motion, and the next one when that errs by more than the threshold"
 )
-_BASELINE = "the baseline (plain messages, coasted at constant velocity)"
-_FREE = "the free receiver (plain messages, coasted with their acceleration and turn as well)"
 _MESSAGES = ("fewer messages than", "as many messages as", "more messages than")
-_ERROR = ("smaller than that of", "as large as that of", "larger than that of")
+_ERROR = ("smaller than", "as large as", "larger than")
+_ALIKE = 0.03
+"""Ratios that are no farther from 1 are about 1."""
+
+_FREE = "the free receiver"
 _GENERATED = "generated"
 
 
@@ -78,47 +79,70 @@ class _Cell:
         )
 
 
-def findings(result: EvaluationResult) -> list[str]:
-    """Return what was found, what was not, and on which data, a sentence each; nothing without a trip.
+def findings(result: EvaluationResult) -> list[tuple[str, str]]:
+    """Return what was found, what was not, on which data, and what the words mean; nothing without a trip.
 
     Parameters
     ----------
     result
         The evaluation.
+
+    Returns
+    -------
+    list of tuple
+        A title and its text each.
     """
     lines = [line for line in headlines(result) if line.mbc is not None]
     if not result.trips or not lines:
         return []
-    return [_found(result, lines), _not_found(result, lines), _data(result)]
+    return [
+        ("Found", _found(result, lines)),
+        ("Not found", _not_found(result, lines)),
+        ("Data", _data(result)),
+        ("Words", _words(result, lines)),
+    ]
 
 
 def _found(result: EvaluationResult, lines: Sequence[Headline]) -> str:
     sender = sender_label(result)
-    named = f"{sender} ({_MODELS})" if sender == "MBC" else f"{sender} (a policy for {_MODELS})"
-    held = ((_BASELINE, [line.ratio for line in lines]), (_FREE, [line.free_ratio for line in lines]))
+    named = f"{sender} (model-based communication)" if sender == "MBC" else sender
+    held = (("the baseline", [line.ratio for line in lines]), (_FREE, [line.free_ratio for line in lines]))
     counted = [(name, _numbers(ratios)) for name, ratios in held]
     sent = [
-        f"{_verdict(ratios, _MESSAGES)} {name}, {_range(ratios)} times as many"
+        f"{_verdict(ratios, _MESSAGES)} {name} ({_range(ratios)} times as many)"
         for name, ratios in counted
         if ratios
     ]
-    text = f"At the same threshold {named} sent {', and '.join(sent)}" if sent else f"{named} was run alone"
+    text = f"At the same threshold {named} sent {' and '.join(sent)}." if sent else f"{named} was run alone."
     ratio = nearest_ratio(evaluated_ratios(result))
     if ratio is None:
-        return f"{text}."
+        return text
     held_at_rate = (
         ("the better baseline", _cells(lines, (ratio,), EQUAL_RATE_POLICIES)),
-        ("the free receiver", _cells(lines, (ratio,), (FREE_MATCHED,))),
+        (_FREE, _cells(lines, (ratio,), (FREE_MATCHED,))),
     )
     errors = [
-        f"{_verdict(over, _ERROR)} {name}, {_range(over)} times as large"
+        f"{_verdict(over, _ERROR)} {name}'s ({_range(over)} times as large)"
         for name, cells in held_at_rate
         if (over := [cell.over for cell in cells])
     ]
     if not errors:
-        return f"{text}."
+        return text
     lost = f"with {100 * ratio:.4g} % of the messages lost" if ratio else "without loss"
-    return f"{text}; at the same rate and {lost} its error (90th percentile) was {', and '.join(errors)}."
+    return f"{text} At the same rate, {lost}, its error (90th percentile) was {' and '.join(errors)}."
+
+
+def _words(result: EvaluationResult, lines: Sequence[Headline]) -> str:
+    """What a newcomer has to know to read the rest."""
+    meant = [f"{sender_label(result)}: {_MODELS}"]
+    if any(line.baseline is not None for line in lines):
+        meant.append("baseline: plain messages, coasted at constant velocity")
+    if any(line.free is not None for line in lines):
+        meant.append(
+            f"{_FREE.removeprefix('the ')}: plain messages, coasted with their acceleration and turn as well"
+        )
+    meant.append("error: how far the receiver believes the vehicle to be from where it is")
+    return f"{'; '.join(meant)}."
 
 
 def _not_found(result: EvaluationResult, lines: Sequence[Headline]) -> str:
@@ -126,11 +150,11 @@ def _not_found(result: EvaluationResult, lines: Sequence[Headline]) -> str:
     lossy = [ratio for ratio in ratios if ratio > 0.0]
     saved = _saved_by_free(lines)
     if not ratios:
-        return f"Errors were not measured, so nothing is said of what these messages are worth{saved}."
+        return f"Errors were not measured, so nothing is said of what these messages are worth.{saved}"
     shown = lossy or ratios
     rivals = (
         ("the baseline's", "baseline", EQUAL_RATE_POLICIES),
-        ("the free receiver's", FREE_RECEIVER, (FREE_MATCHED,)),
+        (f"{_FREE}'s", FREE_RECEIVER, (FREE_MATCHED,)),
     )
     parts = [
         text
@@ -138,14 +162,15 @@ def _not_found(result: EvaluationResult, lines: Sequence[Headline]) -> str:
         if (text := _worse(name, _cells(lines, shown, (same,)), _cells(lines, shown, matched)))
     ]
     if not parts:
-        return f"Nobody's errors were measured beside {sender_label(result)}'s{saved}."
-    chance = _chance(_cells(lines, shown, (FREE_MATCHED,)) or _cells(lines, shown, EQUAL_RATE_POLICIES))
-    kind = "cells of threshold and loss" if lossy else "cells, one a threshold"
-    unlost = "" if lossy else "; no message was lost, so nothing is said of losses"
-    worse = ", and ".join(parts)
-    return (
-        f"Counted in {kind}, {sender_label(result)}'s error was larger than {worse}{chance}{saved}{unlost}."
-    )
+        return f"Nobody's errors were measured beside {sender_label(result)}'s.{saved}"
+    rival, matched = "free receiver", _cells(lines, shown, (FREE_MATCHED,))
+    if not matched:
+        rival, matched = "better baseline", _cells(lines, shown, EQUAL_RATE_POLICIES)
+    kind = "cases (thresholds and loss ratios)" if lossy else "cases (thresholds)"
+    unlost = "" if lossy else " No message was lost, so nothing is said of losses."
+    worse = ", ".join(parts)
+    larger = f"Of the {kind}, {sender_label(result)}'s error was larger than {worse}."
+    return f"{larger}{_chance(matched, rival)}{saved}{unlost}"
 
 
 def _worse(name: str, same: Sequence[_Cell], matched: Sequence[_Cell]) -> str:
@@ -184,13 +209,13 @@ def _most(cells: Sequence[_Cell], at: str) -> str:
     return f" (most at {place}: {most.own.pte_p90_m:.2f} against {most.other.pte_p90_m:.2f} m{price})"
 
 
-def _chance(cells: Sequence[_Cell]) -> str:
-    """Say where the seeds cannot tell the last comparison from chance."""
+def _chance(cells: Sequence[_Cell], rival: str) -> str:
+    """Say where the seeds cannot tell the harder comparison from chance."""
     known = [cell for cell in cells if cell.has_intervals]
     if not known:
-        return ", and one seed has no interval that tells this from chance" if cells else ""
+        return " One seed has no interval that tells this from chance." if cells else ""
     alike = _share(sum(cell.may_be_chance for cell in known), len(known))
-    return f", where the two intervals over the seeds overlap in {alike}"
+    return f" At the same rate its interval over the seeds and the {rival}'s overlap in {alike}."
 
 
 def _saved_by_free(lines: Sequence[Headline]) -> str:
@@ -207,10 +232,10 @@ def _saved_by_free(lines: Sequence[Headline]) -> str:
     if not shares:
         return ""
     if max(shares) <= 0.0:
-        return "; the free receiver saves no message over the baseline"
+        return " The free receiver saves no message over the baseline."
     shares = [max(share, 0.0) for share in shares]
     return (
-        f"; the free receiver alone saves {_range(shares)} of the messages that are saved over the baseline"
+        f" The free receiver alone saves {_range(shares)} of the messages that are saved over the baseline."
     )
 
 
@@ -218,9 +243,9 @@ def _data(result: EvaluationResult) -> str:
     trips = result.trips
     hours = sum(trip.duration_s for trip in trips) / 3600.0
     long = f"{hours:.1f} h" if hours >= 1.0 else f"{60.0 * hours:.1f} min"
-    alone = "; one trip says nothing of others" if len(trips) == 1 else ""
+    alone = " One trip says nothing of others." if len(trips) == 1 else ""
     protocols = "; ".join(_protocol(result, name) for name in sorted({trip.protocol for trip in trips}))
-    return f"These figures are of {_count(len(trips), 'trip')}, {long}, {_origin(trips)}; {protocols}{alone}."
+    return f"{_count(len(trips), 'trip')}, {long}, {_origin(trips)}; {protocols}.{alone}"
 
 
 def _origin(trips: Sequence[TripRow]) -> str:
@@ -292,18 +317,15 @@ def _verdict(ratios: Sequence[float], words: tuple[str, str, str]) -> str:
     """The word for ratios below, at and above 1, as they read in two places; two words where they differ."""
     shown = [round(ratio, 2) for ratio in ratios]
     less, same, more = words
-    if max(shown) < 1.0:
-        return less
-    if min(shown) > 1.0:
-        return more
-    if min(shown) == max(shown):
-        return same
     first, last = less.split(" ")[0], more.split(" ")[0]
     rest = less.removeprefix(first)
-    if max(shown) == 1.0:
-        return f"no {last}{rest}"
-    if min(shown) == 1.0:
-        return f"no {first}{rest}"
+    low, high = min(shown), max(shown)
+    if round(max(high - 1.0, 1.0 - low), 2) <= _ALIKE:
+        return same if low == high == 1.0 else f"about {same}"
+    if high <= 1.0:
+        return less if high < 1.0 else f"no {last}{rest}"
+    if low >= 1.0:
+        return more if low > 1.0 else f"no {first}{rest}"
     return f"{first} or {last}{rest}"
 
 

@@ -78,7 +78,10 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
     body = [
         "<h1>Model-based communication: evaluation</h1>",
         f'<p class="scope">{escape(scope_line(result))}. modelcast {escape(package_version())}.</p>',
-        *(f'<p class="finding">{escape(sentence)}</p>' for sentence in findings(result)),
+        *(
+            f'<p class="finding"><strong>{title}.</strong> {escape(text)}</p>'
+            for title, text in findings(result)
+        ),
         _warnings(result.trips),
         *(f'<p class="note">{escape(line)}.</p>' for line in training_lines(result)),
         _protocols(result),

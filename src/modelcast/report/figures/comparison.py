@@ -40,7 +40,10 @@ _REFERENCE_LINES: dict[str, LineStyleType] = {
     "cam": (0, (5.0, 1.2, 1.0, 1.2)),
 }
 _SPREAD = 0.55
-"""Share of the distance between two ticks that candidates are spread over, so that intervals do not hide."""
+"""Most of the distance between two ticks that candidates are spread over, so that intervals do not hide."""
+
+_APART = 0.1
+"""The same between neighbours, where candidates are few."""
 
 _LONGEST_NAME = 44
 _SHORT_NAME = 24
@@ -189,7 +192,8 @@ def worst_rows(result: ComparisonResult, candidate: str, protocol: str, percenti
 def _looks(result: ComparisonResult) -> dict[str, _Look]:
     """Return how each candidate is drawn: members first, then hybrids."""
     ordered = sorted(result.candidates, key=lambda row: row.is_hybrid)
-    asides = np.linspace(-0.5, 0.5, len(ordered)) * _SPREAD if len(ordered) > 1 else np.zeros(1)
+    spread = min(_SPREAD, _APART * (len(ordered) - 1))
+    asides = np.linspace(-0.5, 0.5, len(ordered)) * spread
     return {
         row.name: _Look(
             _COLOURS[at % len(_COLOURS)],

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from modelcast.report.figures.panels import empty_figure, radio_panels
 from modelcast.report.figures.scales import density_scale, end_below, from_zero, legend_above, log_scale
 from modelcast.report.figures.senders import Curve, sender_curves
+from modelcast.report.style import style
 from modelcast.study.network.rows import NetworkResult
 from modelcast.study.table import Row
 
@@ -92,6 +93,7 @@ def _draw_densities(axes: Axes, rows: Sequence[Row], factor: float, curves: Sequ
     density_scale(axes, (row.density_per_km for row in rows))
 
 
+@style()
 def plot_load(result: NetworkResult) -> Figure:
     """Messages, bytes and channel busy ratio against density.
 
@@ -103,6 +105,7 @@ def plot_load(result: NetworkResult) -> Figure:
     return _against_density(result, _LOAD, log=False)
 
 
+@style()
 def plot_delivery(result: NetworkResult) -> Figure:
     """Delivery and collisions against density.
 
@@ -114,6 +117,7 @@ def plot_delivery(result: NetworkResult) -> Figure:
     return _against_density(result, _DELIVERY, log=False)
 
 
+@style()
 def plot_tracking(result: NetworkResult) -> Figure:
     """Tracking error at 50 m to 150 m against density.
 
@@ -125,6 +129,7 @@ def plot_tracking(result: NetworkResult) -> Figure:
     return _against_density(result, _TRACKING, log=True)
 
 
+@style()
 def plot_distance(result: NetworkResult) -> Figure:
     """90th percentile of the tracking error against distance, one panel a density.
 
@@ -182,6 +187,7 @@ _SETTLING: tuple[Panel, ...] = (
 )
 
 
+@style()
 def plot_settling(result: NetworkResult) -> Figure:
     """How the loop settles: the first seed at the highest density, second by second.
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from modelcast.core.arrays import FloatArray
 from modelcast.report.figures.panels import drawable, empty_figure, top_legend
 from modelcast.report.losses import burst_words, shown_ratios
-from modelcast.report.style import PAGE_IN, model_colours, new_figure
+from modelcast.report.style import PAGE_IN, model_colours, new_figure, style
 from modelcast.study.safety.result import RecordingScores, SafetyKind, SafetyResult, kind_of
 from modelcast.study.table import Row
 
@@ -32,9 +32,11 @@ def _cases(result: SafetyResult) -> list[SafetyKind]:
 
 def _title(kind: SafetyKind) -> str:
     recorded = f"\nrecorded: {drawable(kind.loss_log, 20)}" if kind.loss_log else ""
-    return f"{drawable(kind.sensor, 20)}, {burst_words(kind)}{recorded}"
+    sensor = f"{drawable(kind.sensor, 20)}, " if kind.sensor else ""
+    return f"{sensor}{burst_words(kind)}{recorded}"
 
 
+@style()
 def plot_accuracy(result: SafetyResult) -> Figure:
     """Return the shares missed and false against the packet error ratio, a row a sensor and kind of loss.
 
@@ -72,6 +74,7 @@ def _draw(row: Sequence[Axes], own: Sequence[Row], name: str, number: int, colou
         axes.plot(ratios, values, marker=marker, color=colour, label=drawable(name, 30))
 
 
+@style()
 def plot_delays(result: SafetyResult) -> Figure:
     """Return the distribution of how late warnings come at the loss ratio nearest to 40 %, or a log's own.
 
