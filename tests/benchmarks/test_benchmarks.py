@@ -52,7 +52,7 @@ def test_the_page_has_what_the_results_give() -> None:
 
 def test_no_result_names_the_host() -> None:
     told = json.dumps(machines.machine())
-    assert set(json.loads(told)) == {"cores", "processor", "architecture", "system", "memory_gib"}
+    assert set(json.loads(told)) == {"cores", "processor", "virtual", "architecture", "system", "memory_gib"}
 
 
 def test_a_record_holds_four_digits_and_the_ratio_of_its_peer(
@@ -119,7 +119,14 @@ def test_a_benchmark_that_was_asked_for_and_cannot_run_is_an_error() -> None:
 
 def made(*records: dict[str, object]) -> dict[str, dict[str, object]]:
     """Results of one benchmark on a machine of two cores with three processes waiting."""
-    machine = {"cores": 2, "processor": "p", "architecture": "a", "system": "s", "memory_gib": None}
+    machine = {
+        "cores": 2,
+        "processor": "p",
+        "virtual": True,
+        "architecture": "a",
+        "system": "s",
+        "memory_gib": None,
+    }
     one = {"date": "2026-11-30", "machine": machine, "versions": {"python": "3.11"}, "load_average": 3.0}
     return {"bsm_codec": {**one, "exit_code": 0, "records": list(records)}}
 
