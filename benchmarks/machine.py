@@ -14,7 +14,7 @@ PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "polars")
 
 
 def machine() -> dict[str, Any]:
-    """Cores this process may use, processor, whether it is virtual, its instructions, system and memory [GiB].
+    """Cores this process may use, processor, whether that is virtual, instructions, system, memory [GiB].
 
     Where the system tells no memory, it is None; Linux alone tells that a machine is virtual.
     """
