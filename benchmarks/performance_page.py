@@ -59,9 +59,9 @@ def _machine(results: Results) -> list[str]:
         packages = {key: value for key, value in result["versions"].items() if key in _SHOWN}
         told = ", ".join(f"{_SHOWN[key]} {value}" for key, value in packages.items())
         memory = "" if on["memory_gib"] is None else f", {on['memory_gib']:g} GiB"
-        line = (
-            f"{on['cores']} cores of {on['processor']} ({on['architecture']}, {on['system']}){memory}; {told}"
-        )
+        kind = "virtual machine" if on["virtual"] else "machine"
+        where = f"{on['processor']} ({on['architecture']}, {on['system']})"
+        line = f"{on['cores']}-core {kind}, {where}{memory}; {told}"
         found.setdefault(line, []).append(f"{name} ({result['date']})")
     return ["| machine | benchmarks |", "|---|---|"] + [
         f"| {line} | {', '.join(names) if len(found) > 1 else _dates(results)} |"
