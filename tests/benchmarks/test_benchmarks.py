@@ -136,7 +136,13 @@ def test_growth_is_shown_from_three_sizes_on_as_the_largest_over_the_smallest() 
         {"what": "a", "value": cost, "unit": "µs", "sizes": {"trips": n}}
         for n, cost in ((4, 3), (1, 2), (2, 9))
     ]
-    assert len(blocks(made(*sizes[:2]))["growth"]) == 2
+    few = blocks(made(*sizes[:2]))
+    assert len(few["growth"]) == 2
+    assert few["alone"][2:] == [
+        "| `bsm_codec`: a (4 trips) | 3 µs | 1.5 |",
+        "| `bsm_codec`: a (1 trips) | 2 µs | 1.5 |",
+    ]
+    assert len(blocks(made(*sizes))["alone"]) == 2
     assert blocks(made(*sizes))["growth"][2:] == [
         "| `bsm_codec`: a | µs | trips 1: 2, 2: 9, 4: 3 | 1.5 | 1.5 |"
     ]
