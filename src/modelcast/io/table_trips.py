@@ -17,7 +17,7 @@ import polars as pl
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
-from modelcast.io.angle_check import refuse_other_angles
+from modelcast.io.angle_check import refuse_degrees, refuse_other_angles, refuse_radians
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.column_map import ColumnMap
 from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered, numbered
@@ -136,7 +136,7 @@ def table_trips(
             table.path, source, trip_id, found.rows, tally,
             count=len(found.rows) + int(found.partial), time=table.time,
             shared_origin=rows.origin, far_m=rows.far_m, one_clock=rows.one_clock,
-            vehicle=rows.vehicle(found.key), speed=table.found.speed_assumed,
+            vehicle=rows.vehicle(found.key), found=table.found,
             unsorted=_SORT if table.found.label else f"{_SORT} {_SEVERAL}",
         )  # fmt: skip
         if trip is None:
@@ -251,7 +251,7 @@ def _without_blank_columns(rows: Rows) -> Rows:
 
 def _trip(
     path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int, time: TimeUnit,
-    shared_origin: Origin | None, far_m: FloatArray | None, one_clock: bool, vehicle: str, speed: str,
+    shared_origin: Origin | None, far_m: FloatArray | None, one_clock: bool, vehicle: str, found: ColumnMap,
     unsorted: str,
 ) -> Trajectory | None:  # fmt: skip
     """Return one vehicle's trip, or None where no row is usable."""
@@ -268,14 +268,17 @@ def _trip(
     rows = _known_to_sumo(rows, tally)
     if time.told:
         tally.repair(time.told, len(rows))
-    if "heading_rad" in columns:
-        rows = rows.having(heading_rad=_wrapped(rows.columns["heading_rad"]))
     if geodetic and shared_origin is not None:
         origin: Origin | None = shared_origin
         rows = located(rows, shared_origin)
     else:
         origin = _own_origin(constant)
         rows = rows if far_m is None else counted_from(rows, far_m, tally)
+    if "heading_rad" in columns:
+        name, factor = found.numbers["heading_rad"]
+        if factor == 1.0:
+            refuse_degrees(path, rows, name)
+        rows = rows.having(heading_rad=_wrapped(rows.columns["heading_rad"]))
     unix = 0.0 if time.unix else constant.get("start_unix_s", np.nan)
     raw_t = rows.columns["t_s"]
     # Small units are often Unix times, which as seconds in float64 lose their last digits.
@@ -284,8 +287,10 @@ def _trip(
     if time.assumed:
         refuse_other_unit(path, rows, time.assumed)
         refuse_long_steps(path, rows, time.assumed)
-    if speed:
-        refuse_other_speed(path, rows, speed)
+    if found.speed_assumed:
+        refuse_other_speed(path, rows, found.speed_assumed)
+    if geodetic and not found.degrees_stated:
+        refuse_radians(path, rows, (found.numbers["latitude_deg"][0], found.numbers["longitude_deg"][0]))
     return make_trip(
         path,
         trip_id,
