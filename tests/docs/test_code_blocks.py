@@ -91,7 +91,8 @@ def bring_data(program: str, folder: Path, request: pytest.FixtureRequest) -> No
     """Link the real trips that a program names into the folder it runs in."""
     names = [node.value for node in ast.walk(ast.parse(program)) if isinstance(node, ast.Constant)]
     if any(isinstance(name, str) and name.startswith("trips/drive-") for name in names):
-        write_drives(folder / "trips", duration_s=240.0, seed=0, shown="trips")  # as `modelcast demo --trips trips`
+        # As `modelcast demo --trips trips` does.
+        write_drives(folder / "trips", duration_s=240.0, seed=0, shown="trips")
     for name in names:
         if isinstance(name, str) and name.endswith(DATA_SUFFIXES) and not (folder / name).exists():
             data: Path = request.getfixturevalue("data_folder")
