@@ -36,6 +36,7 @@ and north win where both are there. Angles have no default unit: a plain ``headi
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.header_names import (
@@ -209,10 +210,17 @@ def known_map(
     return found
 
 
-def example_map(names: Sequence[str]) -> str:
+def example_map(names: Collection[str], chosen: Mapping[str, str] = MappingProxyType({})) -> str:
     """Return an example of a column map made of a table's own columns, for an error.
 
     A needed column that no name tells is shown as ``?``: a guess would be read without a word.
+
+    Parameters
+    ----------
+    names
+        The table's columns.
+    chosen
+        Columns by meaning that the user gave already.
 
     Examples
     --------
@@ -222,9 +230,10 @@ def example_map(names: Sequence[str]) -> str:
     "--columns 't=time,east=?,north=?' (put a column in place of each ?)"
     """
     free = [name for name in dict.fromkeys(names) if name and not set(name) & set(",='")]
-    guess = {
-        meaning: name for meaning, name in told_meanings(free).items() if MEANINGS[meaning].fills in _SHOWN
-    }
+    told = told_meanings([name for name in free if name not in chosen.values()])
+    given = {MEANINGS[meaning].fills for meaning in chosen}
+    guess = {meaning: name for meaning, name in told.items() if MEANINGS[meaning].fills in _SHOWN - given}
+    guess |= chosen
     for meaning, pattern in _LIKELY.items():
         filled = {MEANINGS[known].fills for known in guess}
         left = [name for name in free if name not in guess.values()]
@@ -232,8 +241,12 @@ def example_map(names: Sequence[str]) -> str:
         if name is not None and MEANINGS[meaning].fills not in filled:
             guess[meaning] = name
     time = next((meaning for meaning in guess if MEANINGS[meaning].fills == "t_s"), "t")
-    pair = next((pair for pair in _PAIRS if {*pair} <= guess.keys()), _PAIRS[-1])
-    others = [meaning for meaning in guess if MEANINGS[meaning].fills in _SHOWN - _PLACED]
+    pair = min(_PAIRS[::-1], key=lambda pair: (-len({*pair} & chosen.keys()), not {*pair} <= guess.keys()))
+    others = [
+        meaning
+        for meaning in guess
+        if MEANINGS[meaning].fills not in _PLACED and (meaning in chosen or MEANINGS[meaning].fills in _SHOWN)
+    ]
     shown = ",".join(f"{meaning}={guess.get(meaning, '?')}" for meaning in (time, *pair, *others))
     return f"--columns '{shown}'" + (" (put a column in place of each ?)" if "=?" in shown else "")
 
@@ -284,17 +297,19 @@ def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> C
     if len(set(fills)) != len(fills):
         raise ConfigError(f"The column map {dict(columns)} names a quantity twice, in two units.")
     found = _mapped(chosen)
+    rest: dict[str, str] = {}
     if found is None:
         left = [name for name in names if name not in chosen.values()]
         barred = {*fills}
         for pair, other in ((_LOCAL, _GEODETIC), (_GEODETIC, _LOCAL)):
             barred |= {*other} if {*fills} & {*pair} else set()
-        rest = {word: name for word, name in _found(left).items() if MEANINGS[word].fills not in barred}
+        rest |= {word: name for word, name in _found(left).items() if MEANINGS[word].fills not in barred}
         found = _mapped(rest | chosen)
     if found is None:
+        given = ", ".join(f"{word}={name}" for word, name in columns.items())
         raise ConfigError(
-            f"The column map {dict(columns)} needs t, and east with north or lat with lon: "
-            "for example t=time,east=x,north=y,speed=v."
+            f"{path}: {given} is taken, but {_not_told({*fills} | _fills(rest))} not found: "
+            f"it needs t, and east with north or lat with lon. The whole map: {example_map(names, chosen)}."
         )
     return replace(
         found,
@@ -302,6 +317,17 @@ def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> C
         speed_assumed="" if "speed_mps" in columns else found.speed_assumed,
         degrees_stated=found.degrees_stated or not {*_GEODETIC}.isdisjoint(columns),
     )
+
+
+def _fills(meanings: Collection[str]) -> set[str]:
+    return {MEANINGS[meaning].fills for meaning in meanings}
+
+
+def _not_told(filled: set[str]) -> str:
+    """Return which of time and position are not among SI columns, with the verb."""
+    placed = filled >= {*_LOCAL} or filled >= {*_GEODETIC}
+    missing = ["time"] * ("t_s" not in filled) + ["position"] * (not placed)
+    return " and ".join(missing) + (" are" if len(missing) > 1 else " is")
 
 
 def _found(names: Collection[str]) -> dict[str, str]:
