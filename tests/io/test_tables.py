@@ -492,3 +492,26 @@ def test_a_date_with_its_year_last_is_refused_with_the_way_to_write_it(made, cel
     with pytest.raises(DataFormatError) as caught:
         list(read_trips(made.write("t.csv", f"time,x,y\n{cell},0,0\n{cell},1,0\n")))
     assert re.search(remedy, caught.value.remedy)
+
+
+def _platoon(step: float, speed: float) -> str:
+    rows = (f"{k / 10},S{car},{step * k + 20 * car:.3f},0,{speed},90" for k in range(100) for car in range(3))
+    return "\n".join(["time,stationID,front x,front y,v,cog", *rows]) + "\n"
+
+
+def test_the_map_that_is_shown_names_vehicle_and_units_and_works_when_copied(made):
+    path = made.write("t.csv", _platoon(1.5, 54.0))
+    with pytest.raises(DataFormatError) as caught:
+        list(read_trips(path))
+    example = str(caught.value).partition("--columns '")[2].partition("'")[0]
+    assert "vehicle=stationID" in example
+    assert "speed_kmh=v" in example
+    assert "heading_deg=cog" in example
+    trips = read_trips(path, columns=dict(part.split("=") for part in example.split(",")))
+    assert [trip.trip_id for trip in trips] == ["t/S0", "t/S1", "t/S2"]
+    assert trips[0].speed_mps == pytest.approx(15.0)
+
+
+def test_speeds_in_metres_a_second_stay_so_in_the_map_that_is_shown(made):
+    with pytest.raises(DataFormatError, match="speed=v,"):
+        list(read_trips(made.write("t.csv", _platoon(1.5, 15.0))))
