@@ -17,6 +17,7 @@ __all__ = [
     "detail_threshold_m",
     "evaluated_ratios",
     "headlines",
+    "loss_title",
     "main_bank",
     "nearest_ratio",
     "policy_label",
@@ -26,6 +27,7 @@ __all__ = [
     "rate_basis",
     "role_of",
     "sender_label",
+    "shown_ratios",
     "thresholds_m",
     "tracking_of",
 ]
@@ -158,6 +160,34 @@ def nearest_ratio(ratios: Sequence[float], target: float = HEADLINE_RATIO) -> fl
     """
     # Rounding makes 0.3 and 0.5 equally near to 0.4, which they are not in binary.
     return min(ratios, key=lambda ratio: (round(abs(ratio - target), 9), ratio), default=None)
+
+
+def shown_ratios(result: EvaluationResult) -> list[float]:
+    """Return the packet error ratios that tables show: those nearest to none and to `HEADLINE_RATIO`, rising.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    ratios = evaluated_ratios(result)
+    nearest = (nearest_ratio(ratios, 0.0), nearest_ratio(ratios))
+    return sorted({ratio for ratio in nearest if ratio is not None})
+
+
+def loss_title(result: EvaluationResult) -> str:
+    """Return what sets the loss runs apart from the rate runs, for titles of tables.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    longest_s = result.settings.get("keep_alive_s")
+    lossy = any(evaluated_ratios(result))
+    parts = ["losses"] if lossy else []
+    parts += [] if longest_s is None else [f"a message at least every {longest_s:g} s"]
+    return f"with {' and '.join(parts)}" if parts else "without loss"
 
 
 def main_bank(result: EvaluationResult) -> str:
