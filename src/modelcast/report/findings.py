@@ -15,7 +15,6 @@ from modelcast.report.headline import (
     Headline,
     evaluated_ratios,
     headlines,
-    nearest_ratio,
     sender_label,
 )
 from modelcast.report.senders import (
@@ -25,6 +24,7 @@ from modelcast.report.senders import (
     is_free_receiver,
     sender_words,
 )
+from modelcast.study.loss_ratios import nearest_ratio
 from modelcast.study.result import EvaluationResult, TripRow
 from modelcast.study.rules import FREE_MATCHED, FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.table import Row
