@@ -30,15 +30,21 @@ figure { margin: 1.4rem 0 2rem; }
 figure img { max-width: 100%; height: auto; display: block; }
 figcaption { font-size: .85rem; color: #444; margin-top: .5rem; max-width: 46rem; }
 .enlarge { display: block; max-width: 100%; padding: 0; border: 0; background: none; cursor: zoom-in; }
+.enlarge span { display: none; font: inherit; font-size: .85rem; color: #0072b2; text-align: left;
+  padding: .5rem 0; }
+@media (max-width: 750px) { .enlarge span { display: block; } }
 .enlarged { width: 100vw; height: 100dvh; max-width: none; max-height: none; margin: 0; padding: .6rem;
   border: 0; box-sizing: border-box; }
 .enlarged[open] { display: flex; flex-direction: column; gap: .5rem; align-items: flex-end; }
+.enlarged p { margin: 0; font-size: .85rem; color: #444; }
+.enlarged p[hidden] { display: none; }
 .enlarged button { font: inherit; padding: .3rem 1rem; min-height: 40px; cursor: pointer; }
 .enlarged div { flex: 1; min-height: 0; width: 100%; overflow: auto; }
 .enlarged img { display: block; height: auto; max-width: none; margin: 0 auto; }
 :focus-visible { outline: 3px solid #0072b2; outline-offset: 2px; }
 summary { cursor: pointer; font-weight: 600; margin: .4rem 0; }
 @media print {
+  .enlarge span { display: none; }
   @page { margin: 15mm; }
   body { max-width: none; margin: 0; padding: 0; font-size: 10pt; }
   figure, tr { break-inside: avoid; }
