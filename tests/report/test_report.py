@@ -51,7 +51,7 @@ def test_report_says_what_the_labels_mean(make_result: Make, tmp_path: Path, rea
         "a keep-alive after 2 s",
         "after the instant's message",
         "all send as often as MBC (updates and identifications counted)",
-        "model-based communication: a vehicle sends a small model of its motion",
+        "MBC: a vehicle sends a small model of its motion",
         "At the same rate: the same percentile",
         "protocol: recorded, sensor",
         "no fix: 10",
