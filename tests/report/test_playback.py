@@ -13,7 +13,13 @@ import numpy as np
 import pytest
 
 from modelcast.report.html import report_document
-from modelcast.report.playback import MOST_SAMPLES, playback_caption, playback_document, played_samples
+from modelcast.report.playback import (
+    MOST_SAMPLES,
+    PATH_WITHIN_M,
+    playback_caption,
+    playback_document,
+    played_samples,
+)
 from modelcast.report.scripts import static_text
 from modelcast.station.policy.base import MessageKind
 from modelcast.study.playback import Playback, PlayedRun
@@ -32,7 +38,7 @@ UPLOT_SHA256 = {
 def _made(samples: int, *, trip: str = "made/1") -> Playback:
     """A trip with a gap, two senders, and errors with a peak that lasts one sample."""
     rng = np.random.default_rng(5)
-    t_s = np.arange(samples) * 0.1
+    t_s = 0.1 * np.arange(samples, dtype=np.float64)
     t_s[samples // 2 :] += 7.0
     truth_m = np.stack([9.0 * t_s + 310.0, 40.0 * np.sin(t_s / 30.0)], axis=1)
 
@@ -93,13 +99,39 @@ def test_what_the_page_gets_reads_back(make_result: Make, samples: int) -> None:
 def test_a_long_trip_is_thinned_and_keeps_its_peaks_its_gap_and_the_manoeuvre() -> None:
     playback = _made(20_000)
     kept = played_samples(playback)
-    assert kept.size < 3_000
+    assert kept.size < 6_000
     assert {0, 19_999, 9_999, 10_000} <= set(kept.tolist())
     assert np.isin(np.flatnonzero(np.abs(playback.t_s - playback.at_s) <= 60.0), kept).all()
     for run in playback.runs:
         error_m = playback.error_m(run)
         for part in np.array_split(np.arange(20_000), 40):
             assert np.nanmax(error_m[part]) == np.nanmax(error_m[np.intersect1d(part, kept)])
+
+
+def test_a_thinned_path_stays_within_its_limit_at_every_sample() -> None:
+    """A quick weave that lasts less than a stretch is kept too; played places are straight lines in time."""
+    playback = _made(20_000)
+    weave_m = np.where(np.arange(20_000) % 4_000 < 1_000, 3.0, 0.0) * np.sin(playback.t_s)
+    playback = replace(playback, truth_m=playback.truth_m + weave_m[:, None] * np.array([0.0, 1.0]))
+    kept = played_samples(playback)
+    played_m: list[np.ndarray] = [
+        np.interp(playback.t_s, playback.t_s[kept], playback.truth_m[kept, axis]) for axis in (0, 1)
+    ]
+    off_m = np.linalg.norm(np.array(played_m).T - playback.truth_m, axis=1)
+    assert 0.1 < off_m.max() <= PATH_WITHIN_M
+    assert kept.size < 8_000
+
+
+def test_the_page_knows_where_samples_were_left_out(make_result: Make) -> None:
+    """It tells no error there: `after_left_out` names every kept sample whose neighbour is missing."""
+    playback = _made(20_000)
+    kept = played_samples(playback)
+    found = playback_document(replace(make_result(), playback=playback))
+    told = set(found["after_left_out"])
+    assert told == {at for at in range(1, kept.size) if kept[at] - 1 not in kept}
+    assert found["step_ms"] == 100
+    short = playback_document(replace(make_result(), playback=_made(500)))
+    assert short["after_left_out"] == []
 
 
 def test_a_short_trip_is_not_thinned() -> None:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ import pytest
 
 from modelcast.cli.app import run
 from modelcast.report.html import write_report
+from modelcast.report.playback import MOST_SAMPLES, played_samples
 from modelcast.station.banks import bank_from_text
 from modelcast.study.case import SensedTrip
 from modelcast.study.evaluate import evaluate
@@ -107,7 +109,8 @@ def test_a_figure_opens_large_and_closes_by_escape(browser: "Browser", address: 
         assert page.evaluate("document.activeElement.className") == "enlarge"
         page.locator("button.enlarge").nth(2).click()
         assert (
-            page.locator("dialog img").get_attribute("alt") in page.locator("figcaption").nth(2).inner_text()
+            str(page.locator("dialog img").get_attribute("alt"))
+            in page.locator("figcaption").nth(2).inner_text()
         )
 
 
@@ -180,6 +183,29 @@ def test_figures_told_are_those_that_were_evaluated(
             assert told[3] == run_.members[run_.in_use[last]]
             assert [int(told[4]), int(told[5])] == [sent.sum(), (sent & run_.lost).sum()]
     assert bool(any(run_.lost.any() for run_ in runs)) == (channel == 1)
+
+
+def test_of_a_thinned_trip_no_error_is_told_where_samples_were_left_out(
+    browser: "Browser", result: EvaluationResult, tmp_path: Path
+) -> None:
+    """The trip drives straight on, so few samples are kept; its errors are 1 m, and told where kept."""
+    count = MOST_SAMPLES + 1_000
+    assert result.playback is not None
+    t_s = 0.1 * np.arange(count)
+    truth_m = np.stack([10.0 * t_s, 0.0 * t_s], axis=1)
+    runs = tuple(replace(run_, believed_m=truth_m + np.array([0.0, 1.0])) for run_ in result.playback.runs)
+    long = replace(
+        result.playback, at_s=30.0, t_s=t_s, truth_m=truth_m, parts=np.array([], dtype=np.int64), runs=runs
+    )
+    kept = played_samples(long)
+    left_out = int(np.setdiff1d(np.arange(count), kept)[-1])
+    address = write_report(replace(result, playback=long), tmp_path)[0].as_uri()
+    problems: list[str] = []
+    with opened_page(browser, address, DESK, problems) as page:
+        for at, error in ((int(kept[-2]), "1.00 m"), (left_out, "\N{EN DASH}")):
+            page.locator("#playback-time").fill(f"{t_s[at]:.1f}")
+            assert [told[1] for told in _told(page)] == 3 * [error]
+    assert problems == []
 
 
 def _pointed_s(page: "Page", share: float) -> float:

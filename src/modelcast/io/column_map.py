@@ -38,7 +38,12 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
-from modelcast.io.header_names import states_metres_a_second, states_seconds, told_meanings
+from modelcast.io.header_names import (
+    states_degrees,
+    states_metres_a_second,
+    states_seconds,
+    told_meanings,
+)
 
 __all__ = ["ColumnMap", "Meaning", "detected_map", "example_map", "known_map", "user_map"]
 
@@ -138,6 +143,8 @@ class ColumnMap:
         Whether the name of the time column, or the map, states its unit.
     speed_assumed
         The speed column whose name only lets m/s be assumed, else empty.
+    degrees_stated
+        Whether the name of the latitude's column, or the map, states that it holds degrees.
     """
 
     numbers: Mapping[str, tuple[str, float]]
@@ -145,6 +152,7 @@ class ColumnMap:
     whole_id: bool
     time_stated: bool
     speed_assumed: str = ""
+    degrees_stated: bool = False
 
     @property
     def geodetic(self) -> bool:
@@ -292,6 +300,7 @@ def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> C
         found,
         time_stated=found.time_stated or "t_s" in columns,
         speed_assumed="" if "speed_mps" in columns else found.speed_assumed,
+        degrees_stated=found.degrees_stated or not {*_GEODETIC}.isdisjoint(columns),
     )
 
 
@@ -326,4 +335,5 @@ def _mapped(found: Mapping[str, str]) -> ColumnMap | None:
     stated = "t" not in found or found["t"] in _SECONDS or states_seconds(found["t"])
     speed, factor = kept.get("speed_mps", ("", 0.0))
     assumed = speed if factor == 1.0 and not states_metres_a_second(speed) else ""
-    return ColumnMap(kept, label, "trip" in found, stated, assumed)
+    degrees = states_degrees(kept.get(_GEODETIC[0], ("", 0.0))[0])
+    return ColumnMap(kept, label, "trip" in found, stated, assumed, degrees)

@@ -20,7 +20,7 @@ from modelcast.report.headline import (
     sender_label,
     shown_ratios,
 )
-from modelcast.report.literal import literal
+from modelcast.report.literal import Prose, literal
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
 from modelcast.study.result import EvaluationResult
@@ -59,9 +59,9 @@ def console_report(result: EvaluationResult) -> RenderableType:
         The evaluation.
     """
     parts: list[RenderableType] = warning_texts((trip.id, trip.warnings) for trip in result.trips)
-    parts += [literal(line) for line in (scope_line(result), *training_lines(result))]
+    parts += [Prose(line) for line in (scope_line(result), *training_lines(result))]
     for title, text in findings(result):
-        parts += [literal(""), literal(f"{title}: {text}")]
+        parts += [literal(""), Prose(f"{title}: {text}")]
     parts.append(literal(""))
     parts.append(rates_table(result))
     if result.tracking:

@@ -1,9 +1,12 @@
 """A played trip as plain values for the page: whole numbers, thinned where the trip is long.
 
 Every message stays. Of a long trip all samples about the manoeuvre stay; elsewhere, of every stretch, the
-first sample and the one with the largest error of each run, so that no peak is cut.
+first sample and the one with the largest error of each run, so that no peak is cut, and as many more as keep
+the vehicle within `PATH_WITHIN_M` of its true place at every instant. Between samples that were left out the
+page tells no error: none was kept.
 """
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,10 +21,13 @@ from modelcast.study.result import EvaluationResult
 from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.wording import centimetres
 
-__all__ = ["MOST_SAMPLES", "playback_caption", "playback_document", "played_samples"]
+__all__ = ["MOST_SAMPLES", "PATH_WITHIN_M", "playback_caption", "playback_document", "played_samples"]
 
-MOST_SAMPLES = 3000
-"""Trips of more samples are thinned: five minutes at 10 Hz."""
+MOST_SAMPLES = 12_000
+"""Trips of more samples are thinned: twenty minutes at 10 Hz."""
+
+PATH_WITHIN_M = 0.25
+"""Of a thinned trip, how far the vehicle played may be from its true place at any sample [m]."""
 
 _ABOUT_S = 60.0
 _STRETCHES = 300
@@ -39,7 +45,7 @@ def playback_document(result: EvaluationResult) -> dict[str, Any]:
     Rows of numbers are differences from the number before (the first from 0), which are short; None stands
     where nothing was held. ``what`` has a letter a message, ``u`` for a model update, ``i`` for an
     identification and ``k`` for a keep-alive, ``member`` the place of its sub-model, and ``lost`` a 1 where
-    it was lost.
+    it was lost. ``after_left_out`` has the samples right before which others were left out.
 
     Parameters
     ----------
@@ -68,6 +74,8 @@ def playback_document(result: EvaluationResult) -> dict[str, Any]:
         "east_cm": _steps(truth_cm[:, 0]),
         "north_cm": _steps(truth_cm[:, 1]),
         "parts": np.searchsorted(kept, playback.parts).tolist(),
+        "step_ms": round(1000.0 * float(np.median(np.diff(playback.t_s)))) if playback.t_s.size > 1 else 0,
+        "after_left_out": (1 + np.flatnonzero(np.diff(kept) > 1)).tolist(),
         "senders": [
             {
                 "name": printable(names[run.sender]),
@@ -112,7 +120,8 @@ def playback_caption(result: EvaluationResult) -> str:
         if kept == count
         else (
             f"Every message is shown, and {kept} of {count} samples: all within {_ABOUT_S:g} s of the "
-            "manoeuvre, elsewhere those with the largest errors and some between."
+            "manoeuvre, elsewhere those with the largest errors and those that keep the path within "
+            f"{centimetres(PATH_WITHIN_M)}, dots among the errors; between them no error is told."
         )
     )
     several = len({run.sender for run in playback.runs}) > 1
@@ -154,7 +163,28 @@ def played_samples(playback: Playback) -> IntArray:
     about = np.flatnonzero(np.abs(playback.t_s - playback.at_s) <= _ABOUT_S)
     edges = np.concatenate([playback.parts, playback.parts - 1, [0, count - 1]])
     peaks = [_peaks(playback.error_m(run), starts, ends) for run in playback.runs]
-    return np.unique(np.concatenate([starts, about, edges, *peaks]))
+    return _on_the_path(playback, np.unique(np.concatenate([starts, about, edges, *peaks])))
+
+
+def _on_the_path(playback: Playback, kept: IntArray) -> IntArray:
+    """Add samples until straight lines in time between neighbours stay within `PATH_WITHIN_M` of the truth.
+
+    The sample farthest from its line is added, then both halves are looked at: D. H. Douglas, T. K. Peucker,
+    Cartographica 10(2), 1973, with the distance at the same instant.
+    """
+    added: list[int] = []
+    begins = set(playback.parts.tolist())
+    open_ = [(start, end) for start, end in pairwise(kept.tolist()) if end - start > 1 and end not in begins]
+    while open_:
+        start, end = open_.pop()
+        t_s, truth_m = playback.t_s[start : end + 1], playback.truth_m[start : end + 1]
+        share = ((t_s - t_s[0]) / (t_s[-1] - t_s[0]))[:, None]
+        off_m = np.hypot(*(truth_m - truth_m[0] - share * (truth_m[-1] - truth_m[0])).T)
+        farthest = int(np.argmax(off_m))
+        if off_m[farthest] > PATH_WITHIN_M:
+            added.append(start + farthest)
+            open_ += [(start, start + farthest), (start + farthest, end)]
+    return np.union1d(kept, np.array(added, dtype=np.int64))
 
 
 def _peaks(error_m: FloatArray, starts: IntArray, ends: IntArray) -> IntArray:

@@ -134,8 +134,10 @@ const makeMap = (canvas, trip, state) => {
     // The first sender is on top.
     for (let sender = runs.length - 1; sender >= 0; sender--) {
       const run = runs[sender], colour = trip.senders[sender].colour, trail = [];
-      for (let at = from; at <= to; at++)
+      for (let at = from; at <= to; at++) {
+        if (trip.afterLeftOut.has(at)) trail.push(null);
         trail.push(run.error[at] === null ? null : [trip.east[at] + run.offEast[at], trip.north[at] + run.offNorth[at]]);
+      }
       line(trail, colour, 1.2);
       const { place } = trip.beliefAt(run, state.t);
       if (place === null) continue;

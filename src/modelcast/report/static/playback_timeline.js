@@ -7,13 +7,18 @@ const DASHES = [[], [6, 3], [2, 3]];
 const makeTimeline = (place, trip, state) => {
   const t = [], gaps = [];
   trip.t.forEach((one, at) => {
-    // A row of nothing breaks the lines at a gap of the recording.
-    if (trip.begins.has(at)) { gaps.push(at); t.push((trip.t[at - 1] + one) / 2); }
+    // A row of nothing breaks the lines at a gap of the recording, and where samples were left out.
+    if (trip.begins.has(at) || trip.afterLeftOut.has(at)) { gaps.push(at); t.push((trip.t[at - 1] + one) / 2); }
     t.push(one);
   });
-  const withGaps = (values) => {
-    const found = [...values];
-    [...gaps].reverse().forEach((at) => found.splice(at, 0, null));
+  const broken = new Set(gaps);
+  const withGaps = (values) => values.flatMap((value, at) => (broken.has(at) ? [null, value] : [value]));
+  // Samples without a neighbour make no line: they are dots.
+  const alone = (self, series) => {
+    const values = self.data[series], found = [];
+    values.forEach((value, at) => {
+      if (value != null && values[at - 1] == null && values[at + 1] == null) found.push(at);
+    });
     return found;
   };
   const rowsOf = () => [t, ...state.runs().map((run) => withGaps(run.error)), t.map(() => trip.threshold)];
@@ -52,7 +57,8 @@ const makeTimeline = (place, trip, state) => {
     series: [
       {},
       ...trip.senders.map((one, at) => ({
-        label: one.name, stroke: one.colour, width: 1.6, dash: DASHES[at % DASHES.length], points: { show: false },
+        label: one.name, stroke: one.colour, width: 1.6, dash: DASHES[at % DASHES.length],
+        points: { show: false, size: 3, fill: one.colour, filter: alone },
         value: (_, value) => metres(value),
       })),
       { label: "Threshold", stroke: INK, width: 1, dash: [1, 3], points: { show: false } },

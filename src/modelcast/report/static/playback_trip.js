@@ -17,7 +17,7 @@ const lastAt = (sorted, t) => {
 
 const readTrip = (given) => {
   const t = summed(given.t_ms, 1e-3), east = summed(given.east_cm, 1e-2), north = summed(given.north_cm, 1e-2);
-  const begins = new Set(given.parts);
+  const begins = new Set(given.parts), afterLeftOut = new Set(given.after_left_out);
   // The truth at any time: between samples on the straight line, in a gap where it was last seen.
   const truthAt = (at_s) => {
     const at = Math.max(lastAt(t, at_s + 1e-6), 0), next = at + 1;
@@ -52,12 +52,14 @@ const readTrip = (given) => {
   const beliefAt = (run, at_s) => {
     const at = Math.max(lastAt(t, at_s + 1e-6), 0);
     const [e, n] = truthAt(at_s);
-    const known = run.error[at] !== null;
+    // Of samples that were left out no error is known, nor a place.
+    const kept = !afterLeftOut.has(at + 1) || at_s < t[at] + given.step_ms * 1e-3 - 1e-6;
+    const known = kept && run.error[at] !== null;
     const heard = lastAt(run.heard, at_s + 1e-6), sent = lastAt(run.sent, at_s + 1e-6);
     const last = heard < 0 ? -1 : lastAt(run.sent, run.heard[heard] + 1e-6);
     return {
       place: known ? [e + run.offEast[at], n + run.offNorth[at]] : null,
-      error: run.error[at],
+      error: known ? run.error[at] : null,
       member: last < 0 ? null : run.member[last],
       age: heard < 0 ? null : at_s - run.heard[heard],
       sent: sent + 1,
@@ -65,7 +67,7 @@ const readTrip = (given) => {
     };
   };
   return {
-    name: given.trip, threshold: given.threshold_m, at: given.at_s, senders: given.senders, channels, begins,
+    name: given.trip, threshold: given.threshold_m, at: given.at_s, senders: given.senders, channels, begins, afterLeftOut,
     t, east, north, start: t[0], end: t[t.length - 1], truthAt, courseAt, beliefAt,
   };
 };
