@@ -43,8 +43,8 @@ types: setup-dev
 
 # What was measured goes into benchmarks/results.json, benchmark by benchmark, and from there into docs/performance.md.
 bench: setup-dev
-	$(BIN)/python benchmarks/run_all.py $(BENCH_ARGUMENTS)
-	$(BIN)/python benchmarks/performance_page.py --write
+	$(BIN)/python benchmarks/run_all.py $(BENCH_ARGUMENTS); ended=$$?; \
+	$(BIN)/python benchmarks/performance_page.py --write && exit $$ended
 
 # How much faster HEAD is than BASE, each a folder or a revision; PAIRED_ARGUMENTS are the script's (--only, --rounds, --limit).
 BASE ?= main

@@ -14,14 +14,15 @@ PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "polars")
 
 
 def machine() -> dict[str, Any]:
-    """Cores this process may use, processor, its instruction set, operating system and memory [GiB].
+    """Cores this process may use, processor, whether that is virtual, instructions, system, memory [GiB].
 
-    Where the system tells no memory, it is None.
+    Where the system tells no memory, it is None; Linux alone tells that a machine is virtual.
     """
     affinity = getattr(os, "sched_getaffinity", None)
     return {
         "cores": len(affinity(0)) if affinity is not None else os.cpu_count(),
         "processor": _told(CPU_INFO, "model name") or platform.processor() or "unknown",
+        "virtual": "hypervisor" in _told(CPU_INFO, "flags").split(),
         "architecture": platform.machine(),
         "system": platform.system(),
         "memory_gib": _memory_gib(),

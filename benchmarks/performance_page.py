@@ -6,7 +6,7 @@ test compares the two.
 
 import argparse
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +36,7 @@ def blocks(results: Results) -> dict[str, list[str]]:
         "parts": _peers(results, programs=False),
         "growth": _growth(results),
         "limit": _limit(results),
+        "alone": _alone(results),
         "benchmarks": _benchmarks(results),
     }
 
@@ -59,9 +60,9 @@ def _machine(results: Results) -> list[str]:
         packages = {key: value for key, value in result["versions"].items() if key in _SHOWN}
         told = ", ".join(f"{_SHOWN[key]} {value}" for key, value in packages.items())
         memory = "" if on["memory_gib"] is None else f", {on['memory_gib']:g} GiB"
-        line = (
-            f"{on['cores']} cores of {on['processor']} ({on['architecture']}, {on['system']}){memory}; {told}"
-        )
+        kind = "virtual machine" if on["virtual"] else "machine"
+        where = f"{on['processor']} ({on['architecture']}, {on['system']})"
+        line = f"{on['cores']}-core {kind}, {where}{memory}; {told}"
         found.setdefault(line, []).append(f"{name} ({result['date']})")
     return ["| machine | benchmarks |", "|---|---|"] + [
         f"| {line} | {', '.join(names) if len(found) > 1 else _dates(results)} |"
@@ -98,23 +99,39 @@ def _job(record: Mapping[str, Any]) -> str:
     return f"{record['what']} ({sizes})" if sizes else str(record["what"])
 
 
+def _sized(records: Sequence[Mapping[str, Any]]) -> dict[tuple[str, str, str], dict[float, float]]:
+    """Costs by size, of every job, counted thing and unit that were measured at enough sizes."""
+    jobs: dict[tuple[str, str, str], dict[float, float]] = {}
+    for one in records:
+        if len(one.get("sizes", {})) == 1:
+            ((counted, size),) = one["sizes"].items()
+            jobs.setdefault((one["what"], counted, one["unit"]), {})[size] = one["value"]
+    return {job: costs for job, costs in jobs.items() if len(costs) >= SIZES}
+
+
 def _growth(results: Results) -> list[str]:
     """A row for every cost that was measured at three sizes or more of one thing."""
     lines = ["| job | unit | cost by size | largest over smallest | load |", "|---|---|---|--:|--:|"]
     for name, result in results.items():
-        jobs: dict[tuple[str, str, str], dict[float, float]] = {}
-        for one in result["records"]:
-            if len(one.get("sizes", {})) == 1:
-                ((counted, size),) = one["sizes"].items()
-                jobs.setdefault((one["what"], counted, one["unit"]), {})[size] = one["value"]
-        for (what, counted, unit), costs in jobs.items():
-            if len(costs) < SIZES:
-                continue
+        for (what, counted, unit), costs in _sized(result["records"]).items():
             told = ", ".join(f"{size:,.10g}: {_number(costs[size])}" for size in sorted(costs))
             grown = costs[max(costs)] / costs[min(costs)]
             lines.append(
                 f"| `{name}`: {what} | {unit} | {counted} {told} | {_number(grown)} | {_load(result)} |"
             )
+    return lines
+
+
+def _alone(results: Results) -> list[str]:
+    """A row for every number that has neither a peer nor other sizes."""
+    lines = ["| job | modelcast | load |", "|---|--:|--:|"]
+    for name, result in results.items():
+        grown = {what for what, _, _ in _sized(result["records"])}
+        lines += [
+            f"| `{name}`: {_job(one)} | {_number(one['value'])} {one['unit']} | {_load(result)} |"
+            for one in result["records"]
+            if "peer" not in one and one["what"] not in grown and name != LIMIT
+        ]
     return lines
 
 

@@ -108,7 +108,7 @@ BENCHMARKS = (
     Benchmark("switching", "a step of a switching sub-model, and its training", "", MINUTES, needs=(DATA,)),
     Benchmark("numpy_sub_model", "a sub-model compiled", "the same in plain NumPy", MINUTES, quick=()),
     Benchmark("numpy_policy", "a policy compiled", "the same in plain NumPy", MINUTES),
-    Benchmark("growth", "evaluation by trips, a fleet by threads", "", SECONDS, quick=()),
+    Benchmark("growth", "an evaluation by trips, a fleet by density and by threads", "", SECONDS, quick=()),
     Benchmark("rate_evaluation", "message rates of recorded trips", "", SECONDS, needs=(DATA,), quick=()),
     Benchmark(
         "free_receiver",

@@ -4,7 +4,18 @@ import os
 import signal
 from pathlib import Path
 
-__all__ = ["arrow_bytes", "die_at", "doubled", "fail_at", "pid", "raise_unpicklable", "threads"]
+from modelcast.core.compiling import Compiling, hear
+
+__all__ = [
+    "arrow_bytes",
+    "compile_and_die",
+    "die_at",
+    "doubled",
+    "fail_at",
+    "pid",
+    "raise_unpicklable",
+    "threads",
+]
 
 
 def arrow_bytes(rows: int) -> int:
@@ -40,6 +51,12 @@ def die_at(folder: Path, numbers: dict[int, int], number: int) -> int:
         (folder / f"{number}-{died}").touch()
         os.kill(os.getpid(), signal.SIGKILL)
     return doubled(number)
+
+
+def compile_and_die(_number: int) -> None:
+    """Die while functions are being compiled."""
+    hear(Compiling("a.b", 3, os.getpid()))
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def raise_unpicklable(number: int) -> int:

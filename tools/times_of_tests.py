@@ -1,8 +1,7 @@
 """Which tests take the time: the heaviest files and tests of a run that pytest wrote with ``--junitxml``.
 
-``make test`` writes ``out/test-times.xml``; CI then runs this with ``--limit``, so that no test of it grows
-to what belongs in ``make verify``. A machine that does other work is slower: the limit is several times what
-the slowest test takes on an idle one.
+``make test`` writes ``out/test-times.xml``, and CI prints the heaviest at its end, so that it is seen where a
+test grows to what belongs in ``make verify``. ``--limit`` fails by one: of use on an idle machine alone.
 """
 
 import argparse

@@ -7,6 +7,7 @@
     figures.py --only cruise vru   the scripts of these names, however long they take
     figures.py --list              every block: its page, its command, what that needs and how long it takes
     figures.py --numbers           numbers in prose that no block has and no setting explains
+    figures.py --keep              keeps these as known, in loose_numbers.toml
 
 Blocks stand in pages between ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` (`page_blocks`). Scripts that
 take a folder get ``--folder``/NAME. What needs runs of ``modelcast`` beforehand has the calls in the script's
@@ -26,12 +27,13 @@ from typing import Any
 from page_blocks import blocks_in
 from prose_numbers import Number, loose_numbers
 
-__all__ = ["Maker", "blocks_made", "blocks_of_pages", "loose_in_pages", "makers", "pages"]
+__all__ = ["Maker", "blocks_made", "blocks_of_pages", "kept_numbers", "loose_in_pages", "makers", "pages"]
 
 ROOT = Path(__file__).resolve().parents[1]
 RUNS = "runs"
 """What a script needs that no environment variable names: runs of modelcast, made beforehand."""
 QUICK = "seconds"
+KEPT = Path(__file__).with_name("loose_numbers.toml")
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +116,23 @@ def loose_in_pages() -> dict[str, list[Number]]:
     }
 
 
+def kept_numbers() -> dict[str, list[str]]:
+    """Loose numbers that are known, with their units, by page."""
+    found: dict[str, list[str]] = tomllib.loads(KEPT.read_text(encoding="utf-8"))
+    return found
+
+
+def _keep(loose: Mapping[str, Sequence[Number]]) -> None:
+    """Write the loose numbers as the known ones."""
+    lines = [
+        "# Numbers in prose that no block of their page has and no setting explains: `figures.py --keep`."
+    ]
+    for page, found in loose.items():
+        if found:
+            lines += ["", f'"{page}" = [', *(f'    "{one.text}",' for one in found), "]"]
+    KEPT.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+
+
 def _name(page: Path) -> str:
     return page.relative_to(ROOT).as_posix()
 
@@ -154,11 +173,15 @@ def main() -> int:
     what.add_argument("--check", action="store_true", help="compare; write nothing")
     what.add_argument("--list", action="store_true", help="say what makes what")
     what.add_argument("--numbers", action="store_true", help="list loose numbers")
+    what.add_argument("--keep", action="store_true", help="keep loose numbers as known ones")
     given = parser.parse_args()
     if given.list:
         for page, name, maker in blocks_made():
             needs = f"; needs {', '.join(maker.needs)}" if maker.needs else ""
             print(f"{page}: {name}: {' '.join((maker.script, *maker.words))}; {maker.takes}{needs}")
+        return 0
+    if given.keep:
+        _keep(loose_in_pages())
         return 0
     if given.numbers:
         for page, found in loose_in_pages().items():

@@ -36,13 +36,13 @@ SOURCES = {
 }
 MARK, END = "<!-- paper: made by `make paper` -->", "<!-- /paper -->"
 _HEADS = (
-    "messages: plain",
+    "messages, plain reading",
     "fewest",
     "most",
-    "p90: rate of updates",
-    "rate of all messages",
-    "best",
-    "worst",
+    "p90 over a baseline of as many messages as MBC has updates",
+    "as MBC has messages",
+    "best p90",
+    "worst p90",
 )
 _SHORT = (
     "Geometric means over the four thresholds. Messages over the baseline's at the same threshold; 90th "

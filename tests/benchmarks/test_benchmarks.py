@@ -46,13 +46,13 @@ def test_every_result_is_of_a_benchmark_and_says_on_what_it_was_made() -> None:
 
 
 def test_the_page_has_what_the_results_give() -> None:
-    made = {name: "\n".join(lines).strip().splitlines() for name, lines in blocks(KEPT).items()}
-    assert blocks_in(PAGE.read_text(encoding="utf-8")) == made
+    wanted = {name: "\n".join(lines).strip().splitlines() for name, lines in blocks(KEPT).items()}
+    assert blocks_in(PAGE.read_text(encoding="utf-8")) == wanted
 
 
 def test_no_result_names_the_host() -> None:
     told = json.dumps(machines.machine())
-    assert set(json.loads(told)) == {"cores", "processor", "architecture", "system", "memory_gib"}
+    assert set(json.loads(told)) == {"cores", "processor", "virtual", "architecture", "system", "memory_gib"}
 
 
 def test_a_record_holds_four_digits_and_the_ratio_of_its_peer(
@@ -115,3 +115,44 @@ def test_a_benchmark_that_was_asked_for_and_cannot_run_is_an_error() -> None:
     ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)  # noqa: S603 - ours
     assert ended.returncode == 1
     assert "rate_evaluation: left out: MODELCAST_DATA is not set" in ended.stdout
+
+
+def made(*records: dict[str, object]) -> dict[str, dict[str, object]]:
+    """Results of one benchmark on a machine of two cores with three processes waiting."""
+    machine = {
+        "cores": 2,
+        "processor": "p",
+        "virtual": True,
+        "architecture": "a",
+        "system": "s",
+        "memory_gib": None,
+    }
+    one = {"date": "2026-11-30", "machine": machine, "versions": {"python": "3.11"}, "load_average": 3.0}
+    return {"bsm_codec": {**one, "exit_code": 0, "records": list(records)}}
+
+
+def test_growth_is_shown_from_three_sizes_on_as_the_largest_over_the_smallest() -> None:
+    sizes = [
+        {"what": "a", "value": cost, "unit": "µs", "sizes": {"trips": n}}
+        for n, cost in ((4, 3), (1, 2), (2, 9))
+    ]
+    few = blocks(made(*sizes[:2]))
+    assert len(few["growth"]) == 2
+    assert few["alone"][2:] == [
+        "| `bsm_codec`: a (4 trips) | 3 µs | 1.5 |",
+        "| `bsm_codec`: a (1 trips) | 2 µs | 1.5 |",
+    ]
+    assert len(blocks(made(*sizes))["alone"]) == 2
+    assert blocks(made(*sizes))["growth"][2:] == [
+        "| `bsm_codec`: a | µs | trips 1: 2, 2: 9, 4: 3 | 1.5 | 1.5 |"
+    ]
+
+
+def test_other_programs_stand_apart_from_modelcast_itself() -> None:
+    peers = ("tinygp, compiled", "plain NumPy")
+    kept = [
+        {"what": "a", "value": 2, "unit": "s", "peer": one, "peer_value": 9, "ratio": 4.5} for one in peers
+    ]
+    found = blocks(made(*kept))
+    assert found["programs"][2:] == ["| `bsm_codec`: a | 2 s | tinygp, compiled | 9 s | 4.5 | 1.5 |"]
+    assert found["parts"][2:] == ["| `bsm_codec`: a | 2 s | plain NumPy | 9 s | 4.5 | 1.5 |"]

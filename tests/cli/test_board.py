@@ -179,6 +179,15 @@ def test_compilation_is_counted_over_this_process_and_its_workers(clock: Clock) 
     assert steps() == []
 
 
+def test_what_a_process_that_is_gone_had_to_compile_is_counted_no_more(clock: Clock) -> None:
+    board = Board(clock, ticking=False)
+    board.hear(Compiling("", 0, 3))
+    board.hear(Compiling("a.outer", 3, 1))
+    board.hear(Compiling("b.other", 5, 2))
+    board.hear(Compiling("", 0, 2))
+    assert [one.steps for one in board.shown()] == ["1/4"]
+
+
 def test_a_command_hears_of_compilation_while_it_is_attended(piped: Callable[[], io.StringIO]) -> None:
     pipe = piped()
     told: list[Compiling] = []

@@ -104,6 +104,19 @@ def test_labels_in_a_file_of_digits_are_not_obeyed(
     assert SHOWN in shown.err
 
 
+@pytest.mark.parametrize("words", [["trips"], ["trips", "--rank"]], ids=["trips", "rank"])
+def test_a_command_in_a_pipe_pads_no_line(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    path = given_trips(tmp_path, "car")
+    assert run([*words, str(path), "--columns", "t=t,east=x,north=y,vehicle=vehicle"]) == 0
+    lines = capsys.readouterr().out.split("\n")
+    assert len(lines) > 3
+    assert [line for line in lines if line.endswith(" ")] == []
+    assert max(map(len, lines)) < 250
+
+
 def test_commands_reach_the_terminal_one_way_only() -> None:
     """Problems, lines and tables go through `cli/terminal.py`; what else is printed is JSON or digits."""
     for path in Path(modelcast.cli.__file__).parent.glob("*.py"):

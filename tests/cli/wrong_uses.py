@@ -55,8 +55,8 @@ def _plain(k: int) -> str:
     return f"{k / 10:g},{2 * k},{math.sin(k / 10):.6f}"
 
 
-def _geodetic(latitude: float, longitude: float) -> str:
-    return _table("t_s,lat,lon", lambda k: f"{k / 10:g},{latitude + k * 1e-5:.8f},{longitude:.8f}")
+def _geodetic(latitude: float, longitude: float, step: float = 1e-5) -> str:
+    return _table("t_s,lat,lon", lambda k: f"{k / 10:g},{latitude + k * step:.8f},{longitude:.8f}")
 
 
 _HEAD = "t_s,east_m,north_m"
@@ -79,7 +79,7 @@ _TEXTS: Mapping[str, str] = {
     "unix_ms.csv": _table(_HEAD, lambda k: f"{1700000000000 + 100 * k},{2 * k},0"),
     "swapped.csv": _geodetic(-83.7, 42.3),
     "swapped_japan.csv": _geodetic(139.7, 35.7),
-    "radians.csv": _geodetic(math.radians(42.3), math.radians(-83.7)),
+    "radians.csv": _geodetic(math.radians(42.3), math.radians(-83.7), math.radians(1e-5)),
     "degrees.csv": _table(_HEAD + ",heading_rad", lambda k: f"{_plain(k)},270"),
     "one.csv": _table(_HEAD, _plain, rows=1),
     "notes.txt": "nothing\n",

@@ -9,12 +9,22 @@ from pathlib import Path
 
 import pytest
 
+from modelcast.core.compiling import Compiling, watch
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.executors.base import TRIES, AbstractCrew, AbstractExecutor, Failed, LostWorkerError
 from modelcast.corpora.executors.here import HereExecutor
 from modelcast.corpora.executors.memory import LEAST_WORKER_BYTES
 from modelcast.corpora.executors.processes import ProcessCrew, ProcessExecutor
-from worker_tasks import arrow_bytes, die_at, doubled, fail_at, pid, raise_unpicklable, threads
+from worker_tasks import (
+    arrow_bytes,
+    compile_and_die,
+    die_at,
+    doubled,
+    fail_at,
+    pid,
+    raise_unpicklable,
+    threads,
+)
 
 NUMBERS = range(7)
 
@@ -126,6 +136,19 @@ def test_a_task_that_loses_every_worker_is_given_up_and_stops_no_other(
     assert len(list(tmp_path.iterdir())) == TRIES
     if isinstance(other_processes, ProcessCrew):
         assert "the last one by SIGKILL" in str(failed.error)
+
+
+def test_a_worker_that_dies_while_it_compiles_is_known_to_compile_no_more() -> None:
+    told: list[Compiling] = []
+    before = watch(told.append)
+    try:
+        with ProcessExecutor(1).start() as crew:
+            list(crew.as_done(compile_and_die, [1]))
+    finally:
+        watch(before)
+    begun = [one.process for one in told if one.label]
+    assert len(begun) == TRIES
+    assert [one.process for one in told if not one.label] == begun
 
 
 def test_processes_are_other_processes_and_end_with_the_block() -> None:

@@ -1,11 +1,12 @@
 """Claims about tables in a terminal: places take lines of their own, and cost no column its numbers."""
 
 import pytest
-from rich.console import Console
+from rich.console import Console, Group
 
 from modelcast.cli.terminal import show
 from modelcast.core.cells import Cells
 from modelcast.report.console_table import ConsoleTable, console_table, placed_table
+from modelcast.report.literal import Prose
 
 LONG = "dsrc:path_loss=two-ray,antenna_m=1.5,shadowing=none, 25/km"
 HEADS = ["policy", "messages [1/s]", "bytes/s", "CBR [%]", "PTE p90 [m]", "PTE p99 [m]", "late"]
@@ -85,3 +86,27 @@ def test_in_a_pipe_a_row_is_one_line(
     show(console_table(Cells([*HEADS, "one more"], [[name, *NUMBERS]], 1)))
     (row,) = [line for line in capsys.readouterr().out.splitlines() if name.strip() in line]
     assert all(number in row for number in NUMBERS)
+
+
+@pytest.mark.parametrize("columns", [None, "80"])
+def test_in_a_pipe_no_line_is_padded_and_prose_has_lines_of_100_columns(
+    columns: str | None, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    if columns is not None:
+        monkeypatch.setenv("COLUMNS", columns)
+    cells = Cells(HEADS, [["cam", *(f"{n}.125" for n in range(1, 7))]] * 2, 1)
+    prose = "A sentence that goes on, and on. " * 20
+    show(Group(Prose(prose), placed_table(cells, ["dsrc", LONG], "A title"), console_table(cells, "Another")))
+    lines = capsys.readouterr().out.split("\n")
+    assert [line for line in lines if line.endswith(" ")] == []
+    assert max(map(len, lines)) <= int(columns or "100")
+    assert " ".join(lines).startswith(prose.strip())
+
+
+def test_rows_of_a_place_are_as_wide_as_the_table_and_not_as_the_room() -> None:
+    cells = Cells(HEADS, [["cam", *NUMBERS[:6]]], 1)
+    console = Console(width=10_000, color_system=None)
+    with console.capture() as captured:
+        console.print(placed_table(cells, ["dsrc"], "A title"))
+    assert max(map(len, captured.get().splitlines())) < 250

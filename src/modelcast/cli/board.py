@@ -367,19 +367,21 @@ class _Compilations:
         return (self._stage,) if self._stage is not None and self._left else ()
 
     def hear(self, one: compiling.Compiling) -> None:
-        """Count a function that is begun, or one whose process is ready."""
-        now_s = self._owner.clock_s()
-        if not one.label:
-            self._left.pop(one.process, None)
+        """Count a function that is begun, or one whose process is ready or gone."""
+        if not one.label and one.process not in self._left:
             return
+        now_s = self._owner.clock_s()
         if self._stage is None:
             self._stage = Stage("compiling, once for this machine", now_s)
-        self._done[one.process] = self._done.get(one.process, 0) + 1
-        self._left[one.process] = one.left
+        if one.label:
+            self._done[one.process] = self._done.get(one.process, 0) + 1
+            self._left[one.process] = one.left
+            self._stage.note = one.label.rpartition(".")[2]
+        else:  # what a process that is gone had left is not to be done by it
+            del self._left[one.process]
         # The one that is begun is not done yet.
         begun = sum(self._done.values())
         self._stage.update(begun - 1, begun - len(self._left) + sum(self._left.values()), now_s)
-        self._stage.note = one.label.rpartition(".")[2]
 
 
 def _rows(stages: Iterable[Stage], now_s: float, console: "Console") -> "RenderableType":

@@ -121,10 +121,12 @@ def capacity(
     from modelcast.cli.progress import counted
     from modelcast.cli.shared_work import jobs_in_use
     from modelcast.cli.terminal import say, say_json, show
+    from modelcast.core.installed import require_installed
     from modelcast.io.capacity import capacity_document
     from modelcast.report.capacity import capacity_console
     from modelcast.study.network.capacity_limits import WARNS
 
+    require_installed("modelcast capacity", "network")
     limits = limits_of(limit, position, missed)
     plan = FleetOptions(
         scenario,

@@ -72,10 +72,12 @@ def mixed(
     from modelcast.cli.progress import counted
     from modelcast.cli.shared_work import jobs_in_use
     from modelcast.cli.terminal import say, say_json, show
+    from modelcast.core.installed import require_installed
     from modelcast.io.network import network_document
     from modelcast.report.fleet_warnings import warnings_console
     from modelcast.report.mixed import mixed_console
 
+    require_installed("modelcast mixed", "network")
     ratios = tuple(dict.fromkeys(one / 100.0 for one in receivers))
     plan = options.plan(sensor, banks=(bank,), thresholds_m=(threshold,), receivers_ratios=ratios)
     cases = mixed_cases(plan, Varied(density, radio, policy, options.seeds), penetration)

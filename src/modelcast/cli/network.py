@@ -108,9 +108,11 @@ def network(
     from modelcast.cli.progress import counted
     from modelcast.cli.shared_work import jobs_in_use
     from modelcast.cli.terminal import say, say_json, show
+    from modelcast.core.installed import require_installed
     from modelcast.io.network import network_document
     from modelcast.report.network import network_console
 
+    require_installed("modelcast network", "network")
     plan = options.plan(sensor, banks=tuple(bank), thresholds_m=tuple(threshold))
     units = roadside.plan(scenario=plan.scenario, blocks=plan.blocks)
     devices = people.checked(there_are=plan.has_people or bool(plan.tracks) or plan.persons)

@@ -15,6 +15,7 @@ from modelcast.cli.shared_work import jobs_in_use, workers_of
 from modelcast.cli.terminal import say, say_json, show
 from modelcast.cli.traffic_runs import run_traffic
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.installed import require_installed
 from modelcast.io.manifest import require_replaceable
 from modelcast.io.output import atomic_folder
 from modelcast.io.paper import paper_document, write_paper
@@ -80,6 +81,7 @@ def run_reproduction(
     plan, traffic = asked.options.plan(), asked.options.traffic_plan()
     runs = asked.options.traffic_out or out.with_name(f"{out.name}-traffic")
     if asked.options.traffic:
+        require_installed("modelcast reproduce --traffic", "network")
         _require_own_folder(runs, out)
     source = TripSource(
         asked.paths,

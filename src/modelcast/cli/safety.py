@@ -8,7 +8,7 @@ from modelcast.cli.options import Columns, Format, Paths
 from modelcast.cli.safety_options import SafetyOptions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from modelcast.cli.reading import TripSource
     from modelcast.cli.safety_sweep import SafetyWork
@@ -75,25 +75,16 @@ def safety(
     from modelcast.cli.run_record import write_run
     from modelcast.cli.safety_sweep import gathered, run_options, safety_work, score_all
     from modelcast.cli.terminal import say, say_json, show
-    from modelcast.core.exceptions import ConfigError
     from modelcast.core.version import package_version
     from modelcast.io.output import atomic_folder
     from modelcast.io.run_store import run_store
     from modelcast.io.safety import safety_document, write_safety
     from modelcast.io.safety_runs import SafetyRunFiles
-    from modelcast.report.beside import check_beside
     from modelcast.report.safety import safety_console, write_safety_report
     from modelcast.study.safety.pairs import recordings_of
     from modelcast.trips.fingerprint import known_trips
 
-    if bool(paths) == (streams > 0) or streams < 0:
-        raise ConfigError(
-            "name files or folders with recorded platoons, or --streams and how many simulated roads: one of "
-            "the two, since a figure that pools both says nothing of either (modelcast safety --help)"
-        )
-    if not options.sensors or not options.burst or options.per == ():
-        raise ConfigError("--sensors, --burst and --per: name at least one each")
-    check_beside(beside)
+    _require(paths, streams, options, beside)
     candidates, silent = options.candidates(), quiet or json
     for sensor in options.sensors:
         _ = options.settings(sensor, options.burst[0])
@@ -148,6 +139,23 @@ def safety(
         show(safety_console(found))
         say(f"report: {out / 'report.html'}")
     return PARTLY_FAILED if found.failures else 0
+
+
+def _require(paths: "Sequence[Path]", streams: int, options: SafetyOptions, beside: "Sequence[Path]") -> None:
+    """Refuse what could not be done to its end."""
+    from modelcast.core.exceptions import ConfigError
+    from modelcast.core.installed import require_installed
+    from modelcast.report.beside import check_beside
+
+    if bool(paths) == (streams > 0) or streams < 0:
+        raise ConfigError(
+            "name files or folders with recorded platoons, or --streams and how many simulated roads: one of "
+            "the two, since a figure that pools both says nothing of either (modelcast safety --help)"
+        )
+    if not options.sensors or not options.burst or options.per == ():
+        raise ConfigError("--sensors, --burst and --per: name at least one each")
+    require_installed("modelcast safety", "network")
+    check_beside(beside)
 
 
 def _logs(options: SafetyOptions, *, quiet: bool) -> "list[LossLog]":

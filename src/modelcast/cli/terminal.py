@@ -89,8 +89,16 @@ def show(*tables: "RenderableType") -> None:
 
     with _room():
         # Only a terminal has a width: in a pipe or a file nothing is wrapped, unless COLUMNS asks for it.
-        width = None if sys.stdout.isatty() or os.environ.get("COLUMNS") else _NO_WIDTH
-        Console(markup=False, emoji=False, width=width).print(*tables, sep="\n")
+        attended = sys.stdout.isatty()
+        width = None if attended or os.environ.get("COLUMNS") else _NO_WIDTH
+        console = Console(markup=False, emoji=False, width=width)
+        if attended:
+            console.print(*tables, sep="\n")
+            return
+        with console.capture() as captured:
+            console.print(*tables, sep="\n")
+        for line in captured.get().splitlines():
+            print(line.rstrip())
 
 
 def error_console() -> "Console":

@@ -48,7 +48,8 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         ),
         "network": Extra(
             MappingProxyType({"scipy": "scipy"}),
-            "fleets on simulated radios: modelcast network, capacity, mixed, cruise, safety",
+            "fleets on simulated radios and platoons that are warned: modelcast network, capacity, mixed, "
+            "safety, reproduce --traffic",
         ),
         "train": Extra(
             MappingProxyType({"jax": "jax", "optax": "optax", "scipy": "scipy"}),

@@ -75,7 +75,10 @@ class EvaluateJob(AbstractJob):
 
     @property
     def key(self) -> str:
-        """Hash of the settings, the trips that was trained on, the pattern and all versions."""
+        """Hash of the settings, the pattern, all versions, and the trips that bank and free receiver know.
+
+        These are the trips that the bank or the free receiver was trained on.
+        """
         depends = {
             "versions": worker_versions(),
             "asked": self.asked,

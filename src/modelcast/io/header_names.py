@@ -15,7 +15,7 @@ import re
 from collections.abc import Collection, Mapping
 from types import MappingProxyType
 
-__all__ = ["states_metres_a_second", "states_seconds", "told_meanings"]
+__all__ = ["states_degrees", "states_metres_a_second", "states_seconds", "told_meanings"]
 
 _UNITS = MappingProxyType(
     {
@@ -124,6 +124,17 @@ def states_seconds(name: str) -> bool:
     (True, False)
     """
     return _parts(name) == ("time", "s")
+
+
+def states_degrees(name: str) -> bool:
+    """Return whether a latitude column's name says that it holds degrees.
+
+    Examples
+    --------
+    >>> states_degrees("Latitude [deg]"), states_degrees("lat")
+    (True, False)
+    """
+    return _parts(name) == ("latitude", "deg")
 
 
 def states_metres_a_second(name: str) -> bool:

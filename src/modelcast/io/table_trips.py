@@ -17,10 +17,11 @@ import polars as pl
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
-from modelcast.io.angle_check import refuse_other_angles
+from modelcast.io.angle_check import refuse_degrees, refuse_other_angles, refuse_radians
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.column_map import ColumnMap
 from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered, numbered
+from modelcast.io.map_grid import counted_from, near_origin_m
 from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import OPTIONAL, Rows, are_unknown_to_sumo, located, make_trip, with_missing
@@ -79,6 +80,9 @@ class AbstractTable(ABC):
         What its columns mean.
     """
 
+    recoded: str = ""
+    """What the trips' counts say of an encoding that is not the usual one."""
+
     counts_rows: ClassVar[bool] = False
     """Whether `rows_expected` is exact."""
 
@@ -130,12 +134,14 @@ def table_trips(
     for found in gathered(rows, held_bytes):
         tally = Tally()
         tally.skip("partial last line", int(found.partial))
+        if table.recoded:
+            tally.repair(table.recoded, len(found.rows))
         trip_id = rows.called(found.key)
         trip = _trip(
             table.path, source, trip_id, found.rows, tally,
             count=len(found.rows) + int(found.partial), time=table.time,
-            shared_origin=rows.origin, one_clock=rows.one_clock, vehicle=rows.vehicle(found.key),
-            speed=table.found.speed_assumed,
+            shared_origin=rows.origin, far_m=rows.far_m, one_clock=rows.one_clock,
+            vehicle=rows.vehicle(found.key), found=table.found,
             unsorted=_SORT if table.found.label else f"{_SORT} {_SEVERAL}",
         )  # fmt: skip
         if trip is None:
@@ -147,13 +153,16 @@ def table_trips(
 class _TableRows(AbstractKeyedRows[str]):
     """The rows of a table in SI units, but for the time.
 
-    `origin` is the first full position of a table of latitudes and longitudes, once it was read; `one_clock`
-    whether all trips tell the time by one clock, as they do where some begins at another time than 0.
+    `origin` is the first full position of a table of latitudes and longitudes, once it was read; `far_m` the
+    point that others are counted from where they lie far off (`modelcast.io.map_grid`); `one_clock` whether
+    all trips tell the time by one clock, as they do where some begins at another time than 0.
     """
 
     def __init__(self, table: AbstractTable) -> None:
         self.path = table.path
         self.origin: Origin | None = None
+        self.far_m: FloatArray | None = None
+        self._placed = False
         self.one_clock = False
         self._table = table
         self._begun: set[str] = set()
@@ -233,6 +242,9 @@ class _TableRows(AbstractKeyedRows[str]):
         refuse_other_angles(self.path, rows, self._table.found)
         if self._table.found.geodetic and self.origin is None:
             self.origin = _first_origin(rows)
+        if not self._placed and "east_m" in columns and "origin_latitude_deg" not in columns:
+            self._placed = bool(np.isfinite(columns["east_m"] + columns["north_m"]).any())
+            self.far_m = near_origin_m(rows)
         return rows
 
 
@@ -244,7 +256,8 @@ def _without_blank_columns(rows: Rows) -> Rows:
 
 def _trip(
     path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int, time: TimeUnit,
-    shared_origin: Origin | None, one_clock: bool, vehicle: str, speed: str, unsorted: str,
+    shared_origin: Origin | None, far_m: FloatArray | None, one_clock: bool, vehicle: str, found: ColumnMap,
+    unsorted: str,
 ) -> Trajectory | None:  # fmt: skip
     """Return one vehicle's trip, or None where no row is usable."""
     rows = _without_blank_columns(rows)
@@ -260,13 +273,17 @@ def _trip(
     rows = _known_to_sumo(rows, tally)
     if time.told:
         tally.repair(time.told, len(rows))
-    if "heading_rad" in columns:
-        rows = rows.having(heading_rad=_wrapped(rows.columns["heading_rad"]))
     if geodetic and shared_origin is not None:
         origin: Origin | None = shared_origin
         rows = located(rows, shared_origin)
     else:
         origin = _own_origin(constant)
+        rows = rows if far_m is None else counted_from(rows, far_m, tally)
+    if "heading_rad" in columns:
+        name, factor = found.numbers["heading_rad"]
+        if factor == 1.0:
+            refuse_degrees(path, rows, name)
+        rows = rows.having(heading_rad=_wrapped(rows.columns["heading_rad"]))
     unix = 0.0 if time.unix else constant.get("start_unix_s", np.nan)
     raw_t = rows.columns["t_s"]
     # Small units are often Unix times, which as seconds in float64 lose their last digits.
@@ -275,8 +292,10 @@ def _trip(
     if time.assumed:
         refuse_other_unit(path, rows, time.assumed)
         refuse_long_steps(path, rows, time.assumed)
-    if speed:
-        refuse_other_speed(path, rows, speed)
+    if found.speed_assumed:
+        refuse_other_speed(path, rows, found.speed_assumed)
+    if geodetic and not found.degrees_stated:
+        refuse_radians(path, rows, (found.numbers["latitude_deg"][0], found.numbers["longitude_deg"][0]))
     return make_trip(
         path,
         trip_id,

@@ -8,7 +8,9 @@ from modelcast.report.headline import (
     sender_label,
     thresholds_m,
 )
+from modelcast.report.senders import BASELINE_WORDS, free_words, is_free_receiver
 from modelcast.study.result import EvaluationResult
+from modelcast.study.rules import FREE_RECEIVER
 from modelcast.study.wording import centimetres
 
 __all__ = ["PROTOCOLS", "TITLES", "captions", "loss_conditions"]
@@ -35,10 +37,6 @@ _REFERENCES = (
     "for each axis, and the triggering rules of ETSI's cooperative awareness messages (EN 302 637-2), which "
     "know no threshold."
 )
-_RIVALS = (
-    "The baseline is plain messages, which their receiver coasts at constant velocity; the free receiver "
-    "coasts the same messages by their acceleration and turn too"
-)
 
 
 def captions(result: EvaluationResult) -> dict[str, str]:
@@ -55,16 +53,17 @@ def captions(result: EvaluationResult) -> dict[str, str]:
     conditions, sender = loss_conditions(result), sender_label(result)
     detail_m = detail_threshold_m(result)
     detail = "" if detail_m is None else f" at the threshold of {centimetres(detail_m)}"
+    rivals, thinned = _rivals(result), _thinned(len(thresholds_m(result)))
     readings = (
         "Left, all run at the same threshold, and the messages of each are named; right, all send as often "
-        f"as {sender} ({counted} counted), error-driven with a threshold bisected to that rate, and the "
-        f"baseline also periodically with a random phase. {_RIVALS}.{_thinned(len(thresholds_m(result)))}"
+        f"as {sender} ({counted} counted), error-driven with a threshold searched for that rate, and the "
+        f"baseline also periodically with a random phase. {rivals}.{thinned}"
     )
     return {
         "message_rate": (
             f"Messages per second of time observed, all trips pooled{label}, on an ideal channel without "
-            f"keep-alive: {sender} with the bank {main_bank(result) or 'evaluated'}, the free receiver and "
-            f"the baseline, error-driven at the same threshold. {_RIVALS}. Below, the time on the air, all "
+            f"keep-alive: {sender} with the bank {main_bank(result) or 'evaluated'} and its rivals, "
+            f"error-driven at the same threshold. {rivals}. Below, the time on the air, all "
             "layers and the security header counted." + (_REFERENCES if result.references else "")
         ),
         "tracking_distribution": (
@@ -95,6 +94,16 @@ def captions(result: EvaluationResult) -> dict[str, str]:
             f"the right all are error-driven at {sender}'s rate ({counted} counted), with {conditions}."
         ),
     }
+
+
+def _rivals(result: EvaluationResult) -> str:
+    """Who is drawn beside the evaluated sender, as far as they were run."""
+    baseline = f"The baseline: {BASELINE_WORDS}"
+    if is_free_receiver(result):
+        return f"{baseline}. {sender_label(result)} is the free receiver itself here"
+    if not any(row.policy == FREE_RECEIVER for row in (*result.rates, *result.tracking)):
+        return baseline
+    return f"{baseline}; the free receiver: {free_words(result)}"
 
 
 def _thinned(thresholds: int) -> str:

@@ -10,12 +10,12 @@ from modelcast.report.console import failures_table, left_out_text, skipped_line
 from modelcast.report.console_table import console_table
 from modelcast.report.figures.comparison import plot_comparison, rival_rows_of, worst_rows
 from modelcast.report.figures.files import drawn, write_report_files
-from modelcast.report.headline import nearest_ratio
-from modelcast.report.literal import literal
+from modelcast.report.literal import Prose, literal
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
 from modelcast.study.compare.result import CandidateRow, ComparisonResult
+from modelcast.study.loss_ratios import nearest_ratio
 from modelcast.study.rules import MODEL_SENDER
 from modelcast.study.table import Row
 from modelcast.study.wording import centimetres
@@ -160,7 +160,7 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
         The comparison.
     """
     parts = warning_texts((trip.id, trip.warnings) for trip in result.trips)
-    parts += [literal(line) for line in (scope_line(result), *_training_lines(result))]
+    parts += [Prose(line) for line in (scope_line(result), *_training_lines(result))]
     thresholds_m = _thresholds_m(result)
     shown_m = sorted({thresholds_m[0], thresholds_m[-1]}) if thresholds_m else []
     ratio = nearest_ratio(_ratios(result))

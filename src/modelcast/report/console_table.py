@@ -137,7 +137,7 @@ class ConsoleTable:
             names.append(place)
             for _, row in rows:
                 table.add_row(*(literal(row[at]) for at in columns))
-        for line in console.render_lines(table, options):
+        for line in console.render_lines(table, options, pad=False):
             metas = [part.style.meta for part in line if part.style is not None]
             numbers = [int(meta[_PLACE]) for meta in metas if _PLACE in meta]
             if numbers:

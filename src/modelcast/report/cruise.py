@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 from rich import box
 from rich.console import Group, RenderableType
-from rich.text import Text
 
 from modelcast.core.cells import Cells
 from modelcast.report.console_table import console_table
+from modelcast.report.literal import Prose
 from modelcast.study.cruise.run import PERFECT, REFERENCE, CruiseResult
 from modelcast.study.table import Row
 from modelcast.study.wording import centimetres
@@ -104,7 +104,7 @@ def cruise_report(result: CruiseResult) -> RenderableType:
     shown = [_HEADINGS.index(heading) for heading in _SHORT]
     rows = [[_cells(row)[at].removesuffix(" %").removesuffix(" m") for at in shown] for row in result.rows]
     table = console_table(Cells(list(_SHORT.values()), rows, 1), title, box=box.SIMPLE_HEAD)
-    return Group(table, Text(_MEANING))
+    return Group(table, Prose(_MEANING))
 
 
 def cruise_lines(rows: Sequence[Row]) -> list[str]:

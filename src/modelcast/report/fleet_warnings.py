@@ -4,12 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 from rich.console import Group, RenderableType
-from rich.text import Text
 
 from modelcast.core.cells import Cells
 from modelcast.report.console_table import placed_table
 from modelcast.report.figures.fleet_warnings import plot_warned_map, plot_warnings
 from modelcast.report.figures.senders import density_text, threshold_text
+from modelcast.report.literal import Prose
 from modelcast.report.parts import Part
 from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
 from modelcast.study.network.mixed import mixed_of
@@ -211,4 +211,4 @@ def warnings_console(result: NetworkResult) -> RenderableType:
         )
         rows.append(cells)
     shown = placed_table(Cells(heads, rows, 1), places)
-    return Group(*(Text(line) for line in warnings_headline(result)), shown)
+    return Group(*map(Prose, warnings_headline(result)), shown)

@@ -16,6 +16,7 @@ body { font: 15px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", Arial, sa
   background: #fff; max-width: 62rem; margin: 2rem auto; padding: 0 1.25rem; }
 h1 { font-size: 1.6rem; margin: 0 0 .25rem; }
 h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid #ddd; padding-bottom: .2rem; }
+h3 { font-size: .95rem; margin: 1.4rem 0 .2rem; }
 .scope { color: #555; margin: 0 0 .75rem; }
 .finding { max-width: 46rem; }
 .note { color: #555; font-size: .85rem; }
@@ -48,7 +49,7 @@ summary { cursor: pointer; font-weight: 600; margin: .4rem 0; }
   @page { margin: 15mm; }
   body { max-width: none; margin: 0; padding: 0; font-size: 10pt; }
   figure, tr { break-inside: avoid; }
-  h2 { break-after: avoid; }
+  h2, h3 { break-after: avoid; }
   thead { display: table-header-group; }
   table { font-size: 6.5pt; }
   th, td { padding: .1rem .25rem; }

@@ -20,7 +20,7 @@ from modelcast.report.figures.readings import plot_readings
 from modelcast.report.figures.system import plot_algorithm, plot_system
 from modelcast.report.figures.timeline import plot_timeline
 from modelcast.report.figures.traffic import TRAFFIC_FIGURES
-from modelcast.report.literal import literal
+from modelcast.report.literal import Prose, literal
 from modelcast.report.page import CSS, embedded_figure, page
 from modelcast.report.paper_texts import CAPTIONS, INTRODUCTION, READING_NOTE, TITLES, WHY_THEY_DIFFER
 from modelcast.report.style import style
@@ -316,7 +316,7 @@ def paper_console(result: PaperResult) -> RenderableType:
     heads = ("reading", "messages", f"p90, PER {100 * result.plan.headline_ratio:g} %")
     readings = console_table(Cells(heads, means, 1), "Over the baseline, mean of the thresholds")
     warned = warning_texts((trip.id, trip.warnings) for trip in result.evaluation.trips)
-    parts = [*warned, literal(scope_line(result.evaluation)), claims, readings]
+    parts = [*warned, Prose(scope_line(result.evaluation)), claims, readings]
     parts += [literal(line) for line in skipped_lines(result.skipped)]
     if result.failures:
         parts.append(failures_table(result.failures))

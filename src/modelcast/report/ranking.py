@@ -7,7 +7,7 @@ from rich.console import Group, RenderableType
 
 from modelcast.core.cells import Cells
 from modelcast.report.console_table import console_table
-from modelcast.report.literal import literal
+from modelcast.report.literal import Prose, literal
 from modelcast.trips.manoeuvres.base import KINDS, ManoeuvreCounts, ManoeuvreKind
 
 __all__ = ["ranking_report"]
@@ -56,7 +56,7 @@ def ranking_report(
     ]
     table = console_table(Cells(heads, rows, 2), "Trips by manoeuvres", box=SIMPLE_HEAD, padding=(0, 0, 0, 0))
     summary = _summary(len(ranked), counted, failures, skipped)
-    parts: list[RenderableType] = [table, literal(_NOTE), literal(summary)]
+    parts: list[RenderableType] = [table, Prose(_NOTE), Prose(summary)]
     parts += [literal(f"no trip from {name}: {reason}") for name, reason in skipped.items()]
     parts += [literal(f"failed: {name}: {reason}", "bold") for name, reason in failures.items()]
     return Group(*parts)

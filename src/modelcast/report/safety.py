@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Group, RenderableType
-from rich.text import Text
 
 from modelcast.core.cells import Cells, escape, markdown
 from modelcast.report.beside import show_beside
@@ -13,7 +12,7 @@ from modelcast.report.console_table import placed_table
 from modelcast.report.figures.files import drawn, write_report_files
 from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
-from modelcast.report.literal import literal
+from modelcast.report.literal import Prose, literal
 from modelcast.report.losses import loss_words, shown_ratios
 from modelcast.report.page import CSS, figure, options_table, page
 from modelcast.report.style import style
@@ -107,7 +106,7 @@ def safety_console(result: SafetyResult) -> RenderableType:
     shown += [literal(line) for line in skipped_lines(result.skipped)]
     if result.failures:
         shown.append(failures_table(result.failures))
-    return Group(*(Text(line) for line in safety_headline(result)), *shown)
+    return Group(*map(Prose, safety_headline(result)), *shown)
 
 
 def _console_cells(row: Row) -> tuple[str, ...]:

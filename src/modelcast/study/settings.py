@@ -358,6 +358,9 @@ class EvaluationSettings:
             "seed": self.seed,
             "bank": self.bank.name,
             "sub_models": [repr(member) for member in self.bank.members],
+            "sub_model_names": [member.name for member in self.bank.members],
+            "plain_messages": all(self.bank.sent_plain),
+            "is_free_receiver": self.bank == self.free,
             "start": self.rules[0],
             "identify": self.rules[1],
             "selector": None if self.selector is None else self.selector.summary,
@@ -381,6 +384,7 @@ class EvaluationSettings:
             "references": self.references,
             "context": self.context.as_plain(),
             "free": None if self.rival is None else [repr(member) for member in self.rival.members],
+            "free_names": None if self.rival is None else [member.name for member in self.rival.members],
             "policy": None if self.decides is None else repr(self.decides),
             "decided_by": self.sender,
         }

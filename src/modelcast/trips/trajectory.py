@@ -13,12 +13,12 @@ import numpy.typing as npt
 
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.geodesy import Origin, wrap_angle_rad
+from modelcast.trips.heading_unit import degrees_at
 from modelcast.trips.jumps import settle
 
 __all__ = [
     "GAP_STEPS",
     "JUMPED",
-    "MAX_HEADING_RAD",
     "OFF_EARTH",
     "UNIFORM_TOLERANCE_RATIO",
     "Reading",
@@ -31,9 +31,6 @@ UNIFORM_TOLERANCE_RATIO = 0.25
 
 GAP_STEPS = 2.5
 """A step longer than this many median steps is a gap: the trip is split there."""
-
-MAX_HEADING_RAD = 8.0 * np.pi
-"""Headings that go on over a turn instead of wrapping reach this after four circles; degrees go beyond."""
 
 JUMPED = "position jump and back"
 """Why rows are skipped that lie where no vehicle could have been."""
@@ -243,7 +240,7 @@ def build_trajectory(
     ------
     ValueError
         Where the samples break a rule that `Trajectory` states, most steps are faster than any vehicle, or
-        headings are beyond `MAX_HEADING_RAD`.
+        headings are degrees (`modelcast.trips.heading_unit`).
 
     Examples
     --------
@@ -253,13 +250,6 @@ def build_trajectory(
     >>> trip.segments.tolist(), round(trip.dt_s, 6), round(trip.duration_s, 6)
     ([0, 3, 5], 0.1, 0.5)
     """
-    heading = None if heading_rad is None else _owned(heading_rad)
-    if heading is not None and heading.size and np.nanmax(np.abs(heading)) > MAX_HEADING_RAD:
-        at = int(np.nanargmax(np.abs(heading)))
-        raise ValueError(
-            f"{trip_id}: heading_rad is {heading[at]:g} at sample {at}, too large for radians: "
-            "numpy.radians makes them of degrees"
-        )
     times = _owned(t_s)
     if times.size and np.isfinite(times).all():
         times = times - times[0]
@@ -270,7 +260,7 @@ def build_trajectory(
         segments=np.array([0, times.size]),
         dt_s=_median_step_s(times),
         speed_mps=None if speed_mps is None else _owned(speed_mps),
-        heading_rad=heading,
+        heading_rad=None if heading_rad is None else _owned(heading_rad),
         acceleration_mps2=None if acceleration_mps2 is None else _owned(acceleration_mps2),
         yaw_rate_radps=None if yaw_rate_radps is None else _owned(yaw_rate_radps),
         up_m=None if up_m is None else _owned(up_m),
@@ -281,6 +271,12 @@ def build_trajectory(
         vehicle=vehicle,
         reading=reading if reading is not None else Reading(rows=int(times.size)),
     )
+    at = None if trip.heading_rad is None else degrees_at(trip.heading_rad, trip.position_m)
+    if at is not None and trip.heading_rad is not None:
+        raise ValueError(
+            f"{trip_id}: heading_rad is {trip.heading_rad[at]:g} at sample {at}, too large for radians: "
+            "numpy.radians makes them of degrees"
+        )
     trip = _split(trip, np.zeros(times.size) if piece is None else _owned(piece))
     steps = np.diff(trip.t_s)
     steps[trip.segments[1:-1] - 1] = trip.dt_s

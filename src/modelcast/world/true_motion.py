@@ -58,5 +58,5 @@ def _slope(values: FloatArray, t_s: FloatArray, reach: int) -> FloatArray:
     if reach < 1 or values.size < samples:
         return np.gradient(values, t_s)
     step_s = float(np.median(np.diff(t_s)))
-    signal = scientific("signal", "traffic of recorded trips")
+    signal = scientific("signal", "acceleration and yaw rate of noisy trips")
     return signal.savgol_filter(values, samples, 2, deriv=1, delta=step_s)

@@ -177,9 +177,15 @@ class _Worker:
     def __init__(self, memory_bytes: int | None) -> None:
         self.pipe, theirs = _SPAWN.Pipe()
         self._process = _SPAWN.Process(target=_serve, args=(theirs, memory_bytes), daemon=True)
-        with one_thread_processes({} if memory_bytes is None else LIMITED), undisturbed():
-            self._process.start()
-        theirs.close()
+        try:
+            with one_thread_processes({} if memory_bytes is None else LIMITED), undisturbed():
+                self._process.start()
+        except BaseException:
+            if self._process.pid is not None:  # nobody else knows it
+                self.end()
+            raise
+        finally:
+            theirs.close()
 
     def give(self, function: Callable[[Any], Any], one: object) -> None:
         """Send a piece of work."""
@@ -196,7 +202,9 @@ class _Worker:
             return _Lost(_ended(code))
 
     def end(self) -> None:
-        """End it, whatever it is doing."""
+        """End it, whatever it is doing; what it was compiling it compiles no more."""
+        if self._process.pid is not None:
+            hear(Compiling("", 0, self._process.pid))
         self.pipe.close()
         self._process.kill()
         self._process.join()

@@ -18,10 +18,10 @@ from modelcast.report.headline import (
     Headline,
     evaluated_ratios,
     headlines,
-    nearest_ratio,
     sender_label,
 )
 from modelcast.report.style import INK, POLICY_COLOURS, POLICY_LINES, POLICY_MARKERS, style
+from modelcast.study.loss_ratios import nearest_ratio
 from modelcast.study.result import EvaluationResult
 from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.table import Row
