@@ -211,6 +211,19 @@ def test_warnings_stand_before_any_figure(make_result: Make) -> None:
     assert "Warnings" not in report_document(clean, ())
 
 
+def test_settings_are_names_and_short_numbers_and_what_is_not_given_is_one_line(
+    make_result: Make, page_without_figures: Any
+) -> None:
+    model = "FreeMotion(estimates=(1, 2), label='free')"
+    settings = {"budget": 4 / 3, "sub_models": [model, "ConstantVelocity()"], "costs": None, "expiry_s": None}
+    text = page_without_figures(replace(make_result(), settings=settings)).text
+    assert "1.333" in text
+    assert "1.3333" not in text
+    assert "free (FreeMotion), ConstantVelocity()" in text
+    assert "Not given: costs, expiry_s." in text
+    assert "None" not in text.partition("Settings")[2]
+
+
 def test_a_long_setting_is_shortened_and_says_where_it_is_whole(
     make_result: Make, page_without_figures: Any
 ) -> None:

@@ -4,6 +4,7 @@ Figures are embedded as SVG images, so that names inside two of them cannot clas
 stamp and no path; the same result gives the same bytes.
 """
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast
@@ -40,6 +41,7 @@ from modelcast.study.table import Row
 __all__ = ["report_document", "write_report"]
 
 _LONGEST_SETTING = 240
+_LABEL = re.compile(r"\blabel='([^']+)'\)$")
 _MOST_TRACKING_ROWS = 600
 """Above this, the rows of single trips are left to ``summary.json``: a browser must open the page at once."""
 
@@ -96,9 +98,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         "<h2>Tracking</h2>",
         _tracking_section(result),
         "<h2>Settings</h2>",
-        Cells(
-            ["setting", "value"], [(name, _shortened(text)) for name, text in _settings(result.settings)]
-        ).html(),
+        _settings_table(result.settings),
         "<h2>Not evaluated</h2>",
         _failures(result.failures),
         _skipped(result.skipped),
@@ -361,6 +361,15 @@ def _shortened(text: str) -> str:
     return f"{text[:_LONGEST_SETTING]}\u2026 (whole in summary.json)"
 
 
+def _settings_table(settings: Mapping[str, Any]) -> str:
+    """Return the settings that are given as a table, and the names of those that are not in a line."""
+    pairs = _settings(settings)
+    table = Cells(["setting", "value"], [(name, _shortened(text)) for name, text in pairs if text]).html()
+    not_given = ", ".join(name for name, text in pairs if not text)
+    note = f'<p class="note">{escape(f"Not given: {not_given}.")}</p>' if not_given else ""
+    return f'<div class="settings">{table}</div>{note}'
+
+
 def _settings(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
     """Return the settings as pairs of text; what is nested gets a dotted name."""
     found: list[tuple[str, str]] = []
@@ -368,7 +377,18 @@ def _settings(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str, 
         if isinstance(value, Mapping):
             found += _settings(cast("Mapping[str, Any]", value), f"{prefix}{key}.")
         elif isinstance(value, list | tuple):
-            found.append((prefix + key, ", ".join(str(item) for item in cast("list[object]", value))))
+            found.append((prefix + key, ", ".join(map(_plain, cast("list[object]", value)))))
         else:
-            found.append((prefix + key, str(value)))
+            found.append((prefix + key, _plain(value)))
     return found
+
+
+def _plain(value: object) -> str:
+    """Return a value as text: numbers to four digits, a sub-model that names itself by that name."""
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    text = str(value)
+    label = _LABEL.search(text)
+    return text if label is None else f"{label[1]} ({text.partition('(')[0]})"

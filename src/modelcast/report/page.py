@@ -25,6 +25,7 @@ table { border-collapse: collapse; font-size: .8rem; font-variant-numeric: tabul
 th, td { padding: .22rem .55rem; text-align: right; vertical-align: top; border-bottom: 1px solid #eee; }
 th { font-weight: 600; vertical-align: bottom; border-bottom: 1px solid #999; }
 th.text, td.text { text-align: left; overflow-wrap: anywhere; min-width: 4.5rem; }
+.settings td:first-child { white-space: nowrap; }
 tbody tr:nth-child(even) { background: #f7f8fa; }
 figure { margin: 1.4rem 0 2rem; }
 figure img { max-width: 100%; height: auto; display: block; }
