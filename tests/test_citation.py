@@ -31,6 +31,12 @@ def test_what_is_supported_is_what_is_released() -> None:
     assert supported == [PROJECT["version"].rpartition(".")[0]]
 
 
+def test_no_address_is_named_that_is_not_there() -> None:
+    """There is no mailbox; the address of a commit may be nobody's."""
+    text = (ROOT / "SECURITY.md").read_text(encoding="utf-8")
+    assert not re.search(r"git log|%ae|\w@\w", text)
+
+
 @pytest.mark.slow
 def test_the_citation_is_valid_by_its_schema() -> None:
     tool = ("tool", "run", "--quiet", "--from", "cffconvert==2.0.0", "cffconvert")

@@ -70,3 +70,52 @@ except KeyboardInterrupt:
         [sys.executable, "-c", program], env=known, capture_output=True, text=True, check=False, cwd=tmp_path
     )
     assert (found.stdout, found.stderr) == ("interrupted\n", "")
+
+
+SWALLOWED = """
+import signal, sys
+from modelcast.cli import app, signals
+from modelcast.station.sender import speaking_kernels
+
+def walk(*arguments):
+    try:
+        signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt as error:
+        error.add_note("2 runs are kept")
+        raise OSError("a library says something else")
+
+signals.install()
+speaking_kernels.speak_through = walk
+sys.exit(app.run(sys.argv[1:]))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
+def test_an_interrupt_that_a_library_makes_an_error_of_still_says_what_is_kept(tmp_path: Path) -> None:
+    write_csv([generate_drive(seed=1, duration_s=90.0).input], tmp_path / "drive.csv")
+    known = {**os.environ, "PYTHONPATH": str(Path(modelcast.__file__).parent.parent)}
+    words = "evaluate", str(tmp_path / "drive.csv"), "--out", str(tmp_path / "out")
+    found = subprocess.run(  # noqa: S603 - our own interpreter
+        [sys.executable, "-c", SWALLOWED, *words], env=known, capture_output=True, text=True, check=False
+    )
+    assert (found.returncode, found.stderr) == (130, "modelcast: interrupted; 2 runs are kept\n")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
+@pytest.mark.parametrize(
+    ("before", "line"),
+    [
+        ("", "interrupted when all was done"),
+        ("signals.take(signal.SIGINT)", "interrupted again, ended at once"),
+    ],
+)
+def test_an_interrupt_when_all_is_done_says_whether_it_is_the_first(before: str, line: str) -> None:
+    program = f"import signal\nfrom modelcast.cli import signals\n{before}\nsignals.finish()\n"
+    found = subprocess.run(  # noqa: S603 - our own interpreter
+        [sys.executable, "-c", f"{program}signal.raise_signal(signal.SIGINT)"],
+        env={**os.environ, "PYTHONPATH": str(Path(modelcast.__file__).parent.parent)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (found.returncode, found.stderr) == (130, f"modelcast: {line}\n")

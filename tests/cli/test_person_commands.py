@@ -33,7 +33,10 @@ RICH = encode_psm(
 )
 
 
-def test_a_message_is_shown_with_units_and_its_optional_parts(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_message_is_shown_with_units_and_its_optional_parts(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
     assert run(["decode", RICH.hex()]) == 0
     shown = capsys.readouterr()
     assert shown.err == ""
@@ -101,4 +104,4 @@ def test_a_message_that_cannot_be_read_tells_the_bit_and_the_reason(
     assert run(["decode", bent.hex()]) == 2
     assert "bit 102: extensions of position are not read" in capsys.readouterr().err
     assert run(["encode", json.dumps({"message": "psm", "message_count": 1})]) == 2
-    assert "temporary_id is not known" in capsys.readouterr().err
+    assert "temporary_id must be given; all other fields may be left out" in capsys.readouterr().err

@@ -130,7 +130,7 @@ def test_rows_console_report_and_trace_name_the_policy_that_decides(
     assert f"at {WORD}" in html
     assert f"rate as {WORD}" in told
     for text in (told, html):
-        assert f"{WORD} (a policy for model-based communication" in text
+        assert f"{WORD}: a vehicle sends a small model of its motion" in text
         assert "MBC" not in text.replace("Which of MBC", "")
     assert f"{rate_hz[WORD]:.3g}" in told
     assert len(trace.read_text().splitlines()) > 100

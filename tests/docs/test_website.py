@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[2] / "tools" / "website"))
 from code_blocks import ROOT
 from dead_links import dead_links
-from navigation import FRONT_PAGE, SiteError, read_navigation
+from navigation import FRONT_PAGE, Page, SiteError, read_navigation
 from sources import staged, write_sources
 
 sys.path.pop(0)
@@ -85,6 +85,12 @@ def places_in(text: str) -> set[str]:
         plain = re.sub(r"[^\w\- ]", "", words).strip().replace(" ", "-")
         found.append(plain if plain not in found else f"{plain}-{found.count(plain)}")
     return set(found)
+
+
+def test_a_page_that_is_called_by_a_number_says_its_subject_in_menus() -> None:
+    place = PurePosixPath("docs/a.md")
+    assert Page("007", place, "the velocity estimator").in_menus == "007 the velocity estimator"
+    assert Page("the idea", place, "why to send").in_menus == "The idea"
 
 
 def test_a_page_in_no_table_is_told(project: Project) -> None:

@@ -103,6 +103,23 @@ def test_evaluate_and_compare_take_it(drive: Path, python_with: Run, tmp_path: P
     assert "chord" in (tmp_path / "two" / "summary.json").read_text()
 
 
+def test_another_process_fits_it_as_this_one_does(python_with: Run) -> None:
+    program = """
+from operator import methodcaller
+import numpy as np
+from modelcast.corpora.executors.processes import ProcessExecutor
+from modelcast.models.base import Windows
+from modelcast.station.banks import bank_from_text
+
+chord, _ = bank_from_text("chord+cv").members
+fit = methodcaller("fit", Windows(np.random.default_rng(0).normal(size=(3, chord.window, 7)), dt_s=0.1))
+with ProcessExecutor(1).start() as crew:
+    ((_, found),) = crew.as_done(fit, [chord])
+print(np.array_equal(found, fit(chord)) and found.shape == (3, len(chord.parameter_names)))
+"""
+    assert python_with(("chord",), "-c", program).stdout == "True\n"
+
+
 @pytest.mark.slow
 def test_network_takes_it_in_other_processes(python_with: Run, tmp_path: Path) -> None:
     line = "network --density 20 --length 300 --warm-up 1 --duration 3 --seeds 2 --jobs 2 --threshold 0.1"

@@ -1,6 +1,7 @@
 """Outputs come whole or not at all: two writers at a time, killed ones, links, inputs."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -199,3 +200,64 @@ def test_the_result_of_another_command_is_not_replaced(tmp_path: Path) -> None:
 def test_a_folder_that_takes_no_new_one_is_named_and_nobody_waits() -> None:
     with pytest.raises(ConfigError, match="/proc/out cannot be written: "), atomic_folder("/proc/out"):
         pass
+
+
+@pytest.mark.parametrize("old", [True, False])
+def test_an_interrupt_after_a_folder_took_its_place_says_that_it_is_written(
+    old: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "out"
+    if old:
+        with atomic_folder(target) as folder:
+            (folder / "a.txt").write_text("old")
+    press_at_sync_of(tmp_path, monkeypatch)
+    with pytest.raises(KeyboardInterrupt) as caught, atomic_folder(target, shown="--out out") as folder:
+        (folder / "a.txt").write_text("new")
+    assert (target / "a.txt").read_text() == "new"
+    assert caught.value.__notes__ == ["--out out is written"]
+
+
+def test_an_interrupt_while_the_old_folder_is_removed_says_that_the_new_one_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "out"
+    with atomic_folder(target) as folder:
+        (folder / "a.txt").write_text("old")
+
+    def press(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(shutil, "rmtree", press)
+    with pytest.raises(KeyboardInterrupt) as caught, atomic_folder(target, shown="--out out") as folder:
+        (folder / "a.txt").write_text("new")
+    assert caught.value.__notes__[-1] == "--out out is written"
+
+
+def test_an_interrupt_before_a_folder_takes_its_place_says_that_it_is_as_it_was(tmp_path: Path) -> None:
+    target = tmp_path / "out"
+    target.mkdir()
+    with pytest.raises(KeyboardInterrupt) as caught, atomic_folder(target, shown="--out out"):
+        raise KeyboardInterrupt
+    assert caught.value.__notes__ == ["--out out is as it was"]
+
+
+def test_an_interrupt_after_a_file_took_its_place_says_that_it_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "a.txt"
+    press_at_sync_of(tmp_path, monkeypatch)
+    with pytest.raises(KeyboardInterrupt) as caught, atomic_file(target, shown="--out a") as file:
+        file.write(b"new")
+    assert caught.value.__notes__ == ["--out a is written"]
+
+
+def press_at_sync_of(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have Ctrl-C come when the operating system is asked to write a folder out."""
+    sync = os.fsync
+
+    def press(descriptor: int) -> None:
+        if os.path.samestat(os.fstat(descriptor), folder.stat()):
+            raise KeyboardInterrupt
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", press)

@@ -1,5 +1,7 @@
 """CSV and Parquet: names and maps of columns, vehicles, errors, and round trips through the writers."""
 
+import re
+
 import numpy as np
 import polars as pl
 import pytest
@@ -446,3 +448,70 @@ def test_a_name_that_is_found_is_a_meaning_too(made):
     path = made.write("knots.csv", "t,a,b,v\n0,0,0,10\n1,5,0,10\n2,10,0,10\n")
     (trip,) = read_trips(path, "csv", columns={"t": "t", "east": "a", "north": "b", "speed_knots": "v"})
     np.testing.assert_allclose(trip.speed_mps, 10 * 1852 / 3600)
+
+
+GERMAN = "Kennzeichen;Uhrzeit;Breite;Länge\n" + "".join(
+    f"Ä{k % 2};{k};48,1;{11 + k / 1e5}\n" for k in range(6)
+)
+
+
+def test_one_column_that_is_given_is_taken_and_the_error_says_what_is_still_needed(made):
+    path = made.write("t.csv", "Kennzeichen,Wann,Breite,Laenge\na,0,1,2\na,1,1,2\n")
+    with pytest.raises(ConfigError) as caught:
+        list(read_trips(path, "csv", columns={"vehicle": "Kennzeichen"}))
+    said = str(caught.value)
+    assert "vehicle=Kennzeichen is taken, but time and position are not found" in said
+    assert "--columns 't=?,lat=Breite,lon=Laenge,vehicle=Kennzeichen'" in said
+    with pytest.raises(ConfigError, match=r"t=Wann is taken, but position is not found"):
+        list(read_trips(path, "csv", columns={"t": "Wann"}))
+
+
+def test_a_position_that_is_half_given_stays_in_the_example():
+    assert "'t=?,lat=a,lon=?'" in example_map(["a", "x", "y"], {"lat": "a"})
+
+
+@pytest.mark.parametrize(("encoding", "counted"), [("cp1252", True), ("latin-1", True), ("utf-8", False)])
+def test_text_of_windows_is_read_and_counted(made, encoding, counted):
+    path = made.folder / "t.csv"
+    path.write_bytes(GERMAN.replace(".", ",").encode(encoding))
+    columns = {"t_s": "Uhrzeit", "lat": "Breite", "lon": "Länge", "vehicle": "Kennzeichen"}
+    trips = read_trips(path, columns=columns)
+    assert [trip.trip_id for trip in trips] == ["t/Ä0", "t/Ä1"]
+    assert dict(trips[0].reading.repaired) == ({"read as Windows-1252": 3} if counted else {})
+
+
+@pytest.mark.parametrize(
+    ("cell", "remedy"),
+    [
+        ("04.05.2026 07:30", "Write the date as 2026-05-04, the year first"),
+        ("4/5/2026 07:30:00", "The year comes first"),
+        ("soon", "^Write it as seconds"),
+    ],
+)
+def test_a_date_with_its_year_last_is_refused_with_the_way_to_write_it(made, cell, remedy):
+    with pytest.raises(DataFormatError) as caught:
+        list(read_trips(made.write("t.csv", f"time,x,y\n{cell},0,0\n{cell},1,0\n")))
+    assert re.search(remedy, caught.value.remedy)
+
+
+def _platoon(step: float, speed: float) -> str:
+    rows = (f"{k / 10},S{car},{step * k + 20 * car:.3f},0,{speed},90" for k in range(100) for car in range(3))
+    return "\n".join(["time,stationID,front x,front y,v,cog", *rows]) + "\n"
+
+
+def test_the_map_that_is_shown_names_vehicle_and_units_and_works_when_copied(made):
+    path = made.write("t.csv", _platoon(1.5, 54.0))
+    with pytest.raises(DataFormatError) as caught:
+        list(read_trips(path))
+    example = str(caught.value).partition("--columns '")[2].partition("'")[0]
+    assert "vehicle=stationID" in example
+    assert "speed_kmh=v" in example
+    assert "heading_deg=cog" in example
+    trips = read_trips(path, columns=dict(part.split("=") for part in example.split(",")))
+    assert [trip.trip_id for trip in trips] == ["t/S0", "t/S1", "t/S2"]
+    assert trips[0].speed_mps == pytest.approx(15.0)
+
+
+def test_speeds_in_metres_a_second_stay_so_in_the_map_that_is_shown(made):
+    with pytest.raises(DataFormatError, match="speed=v,"):
+        list(read_trips(made.write("t.csv", _platoon(1.5, 15.0))))

@@ -28,7 +28,7 @@ from modelcast.report.figures.coverage import plot_coverage, plot_times
 from modelcast.report.figures.files import ENDINGS
 from modelcast.report.figures.trips import MOST_ROWS
 from modelcast.report.headline import SAME_RATE, SAME_THRESHOLD
-from modelcast.report.style import POLICY_COLOURS, style
+from modelcast.report.style import POLICY_COLOURS, model_colours, style
 from modelcast.study.coverage import COVERAGE, FORMS, TIMES
 from modelcast.study.result import RATES, REFERENCES, TRACKING, EvaluationResult
 from modelcast.study.table import Table, TableSchema
@@ -137,7 +137,7 @@ def test_loss_curves_are_the_pooled_rows_in_percent(make_result: Make) -> None:
     line = next(x for x in axes.get_lines() if x.get_color() == POLICY_COLOURS["baseline-periodic"])
     np.testing.assert_allclose(line.get_xdata(), [0, 20, 40, 60])
     np.testing.assert_array_equal(line.get_ydata(), [row.pte_p90_m for row in rows])
-    assert len(axes.collections) == 4, "one confidence band a policy"
+    assert len(axes.collections) == 4, "the bars of one policy each"
     assert "MBC 1.40, free 1.40, baseline 1.40" in panels[6].get_title(), "what that reading costs"
 
 
@@ -150,7 +150,17 @@ def test_both_readings_stand_side_by_side_with_the_free_receiver_in_each(make_re
             assert drawn >= {POLICY_COLOURS[role] for role in roles}
 
 
-def test_one_seed_has_no_bands(make_result: Make) -> None:
+def test_limits_over_seeds_are_taken_on_the_logarithm(make_result: Make) -> None:
+    """Limits of -1 m to 5 m are exp(3 m / 2 m) about 2 m: none reaches zero, where a logarithm ends."""
+    result = make_result(thresholds=(0.2,))
+    rows = [row.replaced(pte_p90_low_m=-1.0, pte_p90_high_m=5.0) for row in result.tracking]
+    figure = plot_loss(replace(result, tracking=TRACKING.table(rows)))
+    bars = figure.axes[0].collections[0].get_paths()
+    for bar in bars:
+        np.testing.assert_allclose(bar.vertices[:, 1], [2.0 / np.exp(1.5), 2.0 * np.exp(1.5)])
+
+
+def test_one_seed_has_no_bars(make_result: Make) -> None:
     assert not plot_loss(make_result(seeds=1)).axes[0].collections
 
 
@@ -192,6 +202,41 @@ def test_map_is_in_metres_from_the_start_with_equal_axes(make_result: Make) -> N
     assert axes.get_aspect() == 1.0
     truth = np.stack(axes.get_lines()[0].get_data(), axis=1)
     np.testing.assert_allclose(truth, manoeuvre.truth_m - manoeuvre.history_m[-1])
+
+
+def test_the_map_is_cut_to_the_path_that_was_driven(make_result: Make) -> None:
+    """A prediction that runs away 100 times as far makes the map no wider."""
+    result = make_result()
+    found = result.manoeuvre
+    assert found is not None
+    away = replace(found, predicted_m={name: 100.0 * path for name, path in found.predicted_m.items()})
+    limits = [
+        (axes.get_xlim(), axes.get_ylim())
+        for axes in (plot_manoeuvre(replace(result, manoeuvre=one)).axes[0] for one in (found, away))
+    ]
+    assert limits[0] == limits[1]
+    driven_m = np.concatenate([found.history_m, found.truth_m]) - found.history_m[-1]
+    for axis, (low, high) in enumerate(limits[0]):
+        assert low < driven_m[:, axis].min()
+        assert high > driven_m[:, axis].max()
+
+
+def test_a_timeline_without_identifications_has_no_row_for_them(make_result: Make) -> None:
+    result = make_result()
+    assert result.timeline is not None
+    bare = replace(result.timeline, identification_s=np.array([]))
+    rows = [
+        [label.get_text() for label in plot_timeline(replace(result, timeline=one)).axes[1].get_yticklabels()]
+        for one in (result.timeline, bare)
+    ]
+    assert rows[0] == [*rows[1], "Identifications"]
+    assert rows[1][-1] == "Updates"
+
+
+def test_the_free_sub_model_has_the_colour_of_the_free_receiver() -> None:
+    colours = model_colours(["free-predictive", "free", "ctra", "cv"])
+    assert colours["free"] == POLICY_COLOURS["free"]
+    assert len(set(colours.values())) == 4
 
 
 def test_trips_are_one_row_each_until_they_are_too_many(make_result: Make) -> None:

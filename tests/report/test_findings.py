@@ -256,16 +256,19 @@ def test_messages_without_loss_do_not_stand_for_those_with(make_result: Make) ->
     assert "At the same threshold, without loss, MBC (model-based communication) sent fewer messages" in first
     assert "(0.50 times as many)" in first
     assert (
-        "With 40 % of the messages lost and one at least every 2 s it sent fewer messages than the baseline "
-        "(0.84 times as many) and more messages than the free receiver (1.20 times as many)." in first
+        "With 40 % of the messages lost and a message at least every 2 s, it sent fewer messages than the "
+        "baseline (0.84 times as many) and more messages than the free receiver (1.20 times as many)."
+        in first
     )
     silent = told(with_settings(result, keep_alive_s=None))[0]
-    assert "With 40 % of the messages lost it sent fewer messages" in silent
+    assert "With 40 % of the messages lost, it sent fewer messages" in silent
 
 
 def test_a_run_without_loss_tells_what_keeping_alive_costs(make_result: Make) -> None:
     result = with_loss_rates(make_result(ratios=(0.0,)), mbc=(0.6, 0.6))
-    assert "With one at least every 2 s it sent fewer messages than the baseline (0.60" in told(result)[0]
+    assert (
+        "With a message at least every 2 s, it sent fewer messages than the baseline (0.60" in told(result)[0]
+    )
     assert "it sent" not in told(with_settings(result, keep_alive_s=None))[0]
 
 

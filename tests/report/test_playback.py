@@ -20,6 +20,7 @@ from modelcast.report.playback import (
     playback_document,
     played_samples,
 )
+from modelcast.report.player import player
 from modelcast.report.scripts import static_text
 from modelcast.station.policy.base import MessageKind
 from modelcast.study.playback import Playback, PlayedRun
@@ -144,6 +145,20 @@ def test_the_caption_says_what_was_left_out(make_result: Make) -> None:
     kept = played_samples(_made(20_000)).size
     assert f"Every message is shown, and {kept} of 20000 samples" in playback_caption(long)
     assert "40 % lost" in playback_caption(short)
+
+
+def test_the_trip_opens_on_the_channel_that_loses_most_and_says_what_to_watch(make_result: Make) -> None:
+    playback = _made(500)
+    clear = tuple(replace(run, packet_error_ratio=0.0, lost=np.zeros_like(run.lost)) for run in playback.runs)
+    both = replace(make_result(), playback=replace(playback, runs=clear + playback.runs))
+    text = player(both)
+    assert '<option value="1" selected>40 % lost</option>' in text
+    assert '<option value="0">nothing lost</option>' in text
+    assert text.index("after a lost message") < text.index("<canvas")
+    alone = player(replace(make_result(), playback=replace(playback, runs=clear)))
+    assert '<option value="0" selected>nothing lost</option>' in alone
+    assert "between two messages" in alone
+    assert "after a lost message" not in alone
 
 
 def test_a_result_without_a_trip_to_play_has_nothing_of_it(make_result: Make, read_page: Any) -> None:

@@ -1,5 +1,6 @@
 """The HTML report, the console tables and the data frames."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -60,6 +61,34 @@ def test_report_says_what_the_labels_mean(make_result: Make, tmp_path: Path, rea
         "time does not increase",
     ):
         assert claim in text, claim
+
+
+def heads_of(document: str) -> list[list[str]]:
+    """The headings of each table of a page."""
+    return [re.findall("<th[^>]*>(.*?)</th>", head) for head in re.findall("<thead>(.*?)</thead>", document)]
+
+
+def test_the_first_table_is_messages_alone_and_the_loss_tables_say_that_they_keep_alive(
+    make_result: Make,
+) -> None:
+    result = make_result()
+    document = report_document(result, [])
+    first, costs, loss, equal = heads_of(document)[:4]
+    answer = ["threshold [cm]", "MBC [1/s]", "free receiver [1/s]", "baseline [1/s]"]
+    answer += ["MBC / free receiver", "MBC / baseline"]
+    assert first == [*answer, "MBC identifications [1/s]"]
+    rates = RATES.table(row.replaced(identifications=0) for row in result.rates)
+    assert heads_of(report_document(replace(result, rates=rates), []))[0] == answer
+    assert costs[1:4] == ["MBC [byte/s]", "free receiver [byte/s]", "baseline [byte/s]"]
+    assert max(map(len, (first, costs, loss, equal))) <= 8
+    assert "<td>20</td>" in document
+    assert "20.00" not in document
+    assert "<h3>Same threshold, with losses and a message at least every 2 s</h3>" in document
+    assert "<h3>Same threshold, without loss: messages</h3>" in document
+    silent = report_document(replace(result, settings={**result.settings, "keep_alive_s": None}), [])
+    assert "<h3>Same rate, with losses</h3>" in silent
+    lossless = report_document(make_result(ratios=(0.0,)), [])
+    assert "<h3>Same threshold, with a message at least every 2 s</h3>" in lossless
 
 
 @pytest.mark.parametrize(
@@ -128,6 +157,9 @@ def test_console_fits_in_100_columns_and_shows_the_rates(make_result: Make) -> N
         "MBC (model-based",
     ):
         assert value in text, value
+    titles = " ".join(text.split())
+    assert "Same threshold: messages per second without loss, all trips" in titles
+    assert "Same threshold, with losses and a message at least every 2 s: messages per second" in titles
 
 
 def test_console_of_rates_alone(make_result: Make) -> None:
@@ -177,6 +209,19 @@ def test_warnings_stand_before_any_figure(make_result: Make) -> None:
     assert document.index("sampled at &lt;5&gt; Hz") < document.index("<h2>Result</h2>")
     clean = replace(result, trips=tuple(replace(trip, warnings={}) for trip in result.trips))
     assert "Warnings" not in report_document(clean, ())
+
+
+def test_settings_are_names_and_short_numbers_and_what_is_not_given_is_one_line(
+    make_result: Make, page_without_figures: Any
+) -> None:
+    model = "FreeMotion(estimates=(1, 2), label='free')"
+    settings = {"budget": 4 / 3, "sub_models": [model, "ConstantVelocity()"], "costs": None, "expiry_s": None}
+    text = page_without_figures(replace(make_result(), settings=settings)).text
+    assert "1.333" in text
+    assert "1.3333" not in text
+    assert "free (FreeMotion), ConstantVelocity()" in text
+    assert "Not given: costs, expiry_s." in text
+    assert "None" not in text.partition("Settings")[2]
 
 
 def test_a_long_setting_is_shortened_and_says_where_it_is_whole(

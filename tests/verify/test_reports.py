@@ -89,11 +89,13 @@ def test_a_report_has_no_fault(
 def test_a_figure_opens_large_and_closes_by_escape(browser: "Browser", address: str, view: View) -> None:
     def opened(page: "Page") -> None:
         button = page.locator("button.enlarge").first
+        assert button.locator("span").is_visible() == (view.width_px < 700)
         button.focus()
         page.keyboard.press("Enter")
         figure = page.locator("dialog img")
         figure.wait_for()
         box: Any = figure.bounding_box()
+        assert page.locator("dialog p").is_visible() == (view.width_px < 700)
         if view.width_px < 700:
             assert box["width"] >= 1.5 * figure.evaluate("(image) => image.naturalWidth")
         else:
@@ -252,6 +254,7 @@ def _same_map(page: "Page", before: bytes) -> bool:
 
 def test_the_map_zooms_moves_follows_and_shows_the_whole_trip(page: "Page") -> None:
     canvas = page.locator("#playback-map")
+    assert page.locator("#playback-channel").input_value() == "1"  # it opens with losses
     follow = page.locator("#playback-follow")
     _told(page)
     first = canvas.screenshot()

@@ -45,6 +45,11 @@ class Page:
         """Its short name, as a heading begins."""
         return self.label[:1].upper() + self.label[1:]
 
+    @property
+    def in_menus(self) -> str:
+        """Its title in menus, where no table says what it answers: a number alone would say nothing."""
+        return f"{self.label} {self.answers}" if self.label.isdigit() else self.title
+
 
 @dataclass(slots=True)
 class Group:

@@ -20,11 +20,12 @@ INTERFACE = "Python"
 
 @dataclass(frozen=True, slots=True)
 class _Entry:
-    """A page in a list: its title, its source, and what it answers."""
+    """A page in a list: its title, its source, what it answers, and its title in menus."""
 
     title: str
     place: PurePosixPath
     answers: str
+    in_menus: str
 
 
 def write_sections(folder: Path, sections: Sequence[Section]) -> None:
@@ -40,7 +41,10 @@ def write_sections(folder: Path, sections: Sequence[Section]) -> None:
     firsts: list[_Entry] = []
     for section in sections:
         listed = [
-            (group, [_Entry(page.title, staged(page.path), page.answers) for page in group.pages])
+            (
+                group,
+                [_Entry(page.title, staged(page.path), page.answers, page.in_menus) for page in group.pages],
+            )
             for group in section.groups
         ]
         if section.title == INTERFACE:
@@ -51,7 +55,7 @@ def write_sections(folder: Path, sections: Sequence[Section]) -> None:
             place = PurePosixPath("sections") / f"{section.slug}.md"
             parts = "".join(_part(group, some, place) for group, some in listed)
             _write(folder / place, f"# {section.title}\n\n{parts}")
-        firsts.append(_Entry(section.title, place, section.says))
+        firsts.append(_Entry(section.title, place, section.says, section.title))
     front = folder / staged(FRONT_PAGE)
     leads = "".join(f"- [{one.title}]({one.place}). {one.answers}\n" for one in firsts)
     text = front.read_text(encoding="utf-8").rstrip()
@@ -73,7 +77,7 @@ def _part(group: Group, entries: Sequence[_Entry], place: PurePosixPath) -> str:
 def _contents(title: str, entries: Sequence[_Entry]) -> str:
     """What the site's menus are made of."""
     caption = f":caption: {title}\n" if title else ""
-    lines = "".join(f"{entry.title} </{entry.place.with_suffix('')}>\n" for entry in entries)
+    lines = "".join(f"{entry.in_menus} </{entry.place.with_suffix('')}>\n" for entry in entries)
     return f"```{{toctree}}\n:hidden:\n{caption}\n{lines}```\n"
 
 
@@ -84,6 +88,10 @@ def _write_interface(folder: Path) -> Iterator[_Entry]:
         place = PurePosixPath("api") / (subject.lower().replace(",", "").replace(" ", "-") + ".rst")
         lines = [subject, "=" * len(subject), "", ".. currentmodule:: modelcast", ""]
         summaries = {name: summary_of(name, homes[name]) for name in names}
+        lines += [
+            "Import these from ``modelcast``; below the table each has its parameters, units and errors.",
+            "",
+        ]
         lines += [".. list-table::", "   :class: names", ""]
         for name in names:
             lines += [f"   * - `{name}`", f"     - {summaries[name]}"]
@@ -94,7 +102,8 @@ def _write_interface(folder: Path) -> Iterator[_Entry]:
             text = ["", f"   {summaries[name]}"] if kind == "py:data" else []
             lines += [f".. {kind}:: {name}", *text, ""]
         _write(folder / place, "\n".join(lines))
-        yield _Entry(subject, place, ", ".join(f"`{name}`" for name in names))
+        linked = ", ".join(f"{{py:obj}}`~modelcast.{name}`" for name in names)
+        yield _Entry(subject, place, linked, subject)
 
 
 def _kind(thing: object) -> str:

@@ -103,10 +103,19 @@ def _run(arguments: Sequence[str]) -> int:
         return _stop_printing()
     except (ModelcastError, OSError) as error:
         # Readers name their files themselves: what is left of OSError is a place that cannot be written.
-        if taken() is None:  # else a library has made this of an interrupt
-            complain(_place_and_reason(error) if isinstance(error, OSError) else error)
+        if taken() is not None:  # a library has made this of an interrupt
+            raise _made_of(error) from None
+        complain(_place_and_reason(error) if isinstance(error, OSError) else error)
         return USAGE
     return code if isinstance(code, int) else 0
+
+
+def _made_of(error: BaseException) -> KeyboardInterrupt:
+    """The interrupt that an error was made of, whose notes say what is kept; a new one where it is lost."""
+    step: BaseException | None = error
+    while step is not None and not isinstance(step, KeyboardInterrupt):
+        step = step.__cause__ or step.__context__
+    return step or KeyboardInterrupt()
 
 
 def _interrupted(error: BaseException | None) -> int:

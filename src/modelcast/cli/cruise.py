@@ -75,7 +75,7 @@ def cruise(
     approach
         Way that two vehicles may come closer between two messages of these [m]; 0 for none.
     budget
-        Messages that free and mbc may send under loss, over those of a channel without losses.
+        Messages that free and mbc aim at under loss, over those of a channel without losses.
     bank
         Sub-models of mbc and j2945-mbc, as in 'modelcast evaluate'.
     profile

@@ -86,7 +86,8 @@ class EvaluateOptions:
         where losses cost more; needs --identify never, or a bank of one. Where not given, expected for the
         rules of a profile's bank (start guarded, hindsight or predicted, identify never), sent for others.
     budget
-        Messages that a sender with --believe expected may send, over those of a channel without losses.
+        Messages that a sender with --believe expected aims at, over those of a channel without losses; with
+        40 % lost it sends 1.2 to 1.7 times as many.
     legacy_threshold
         Error at which legacy receivers, which coast place, speed and heading of a message at constant
         velocity, get an update [m]; 0 for not minding them.

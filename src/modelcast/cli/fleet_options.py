@@ -81,7 +81,7 @@ class FleetOptions:
         probability at the packet error ratio it observes (expected); that where not given, for the
         rules of a profile's bank.
     budget
-        Messages that mbc with --believe expected may send, over those of a channel without losses.
+        Messages that mbc with --believe expected aims at, over those of a channel without losses.
     approach
         Way that two vehicles may come closer between two messages of baseline, free and mbc [m]; 0 for none.
     legacy_threshold

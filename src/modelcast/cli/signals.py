@@ -115,6 +115,8 @@ def _at_once(number: int, _: FrameType | None) -> None:
     shown: Any = sys.modules.get("modelcast.cli.board")
     if shown is not None:
         shown.board.abandon()
-    sys.stderr.write("modelcast: interrupted again, ended at once\n")
+    late = "interrupted when all was done"
+    again = "interrupted again, ended at once"
+    sys.stderr.write(f"modelcast: {late if _arrived.first is None else again}\n")
     sys.stderr.flush()
     os._exit(128 + number)

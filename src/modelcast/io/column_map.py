@@ -36,7 +36,11 @@ and north win where both are there. Angles have no default unit: a plain ``headi
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
+import numpy as np
+
+from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import ConfigError, DataFormatError
 from modelcast.io.header_names import (
     states_degrees,
@@ -110,14 +114,16 @@ _LIKELY: Mapping[str, str] = {
     "north_ft": r"(north|^y(?!aw)|_y\b).*(ft|feet)",
     "east": r"east|^x|[^a-z]x\b|_x\b|^e\d*$|pos_?x",
     "north": r"north|^y(?!aw)|[^a-z]y\b|_y\b|^n\d*$|pos_?y",
-    "speed_kmh": r"(speed|vel|^v\d*_).*(km/?h|kph)",
-    "speed_mph": r"(speed|vel|^v\d*_).*(mph|mi/?h|miles)",
-    "speed_kn": r"(speed|vel|^v\d*_).*(knot|kn\b|kts?\b)",
-    "speed_ftps": r"(speed|vel|^v\d*_).*(ft|feet)",
-    "speed": r"speed|veloc|^v\b|^v_?(mps|ms)?$|^vel\b",
-    "vehicle": r"veh|^id$|track|^car|agent|^device",
+    "speed_kmh": r"(speed|vel|geschw|^v\d*_).*(km/?h|kph)",
+    "speed_mph": r"(speed|vel|geschw|^v\d*_).*(mph|mi/?h|miles)",
+    "speed_kn": r"(speed|vel|geschw|^v\d*_).*(knot|kn\b|kts?\b)",
+    "speed_ftps": r"(speed|vel|geschw|^v\d*_).*(ft|feet)",
+    "speed": r"speed|veloc|geschw|^v\b|^v_?(mps|ms)?$|^vel\b",
+    "vehicle": r"veh|kennzeich|^id$|track|^car|agent|^device",
 }
 """What a column may mean, by its name in lower case: for examples only, never for reading."""
+
+_HEADING = r"head|hdg|^cog\b|course|bearing|kurs|^psi\b|^yaw(?!.*rate)"
 
 _PAIRS = (("lat", "lon"), ("east_ft", "north_ft"), ("east", "north"))
 _LOCAL = ("east_m", "north_m")
@@ -209,10 +215,24 @@ def known_map(
     return found
 
 
-def example_map(names: Sequence[str]) -> str:
+def example_map(
+    names: Collection[str],
+    chosen: Mapping[str, str] = MappingProxyType({}),
+    *,
+    cells: Mapping[str, Sequence[str]] | None = None,
+) -> str:
     """Return an example of a column map made of a table's own columns, for an error.
 
     A needed column that no name tells is shown as ``?``: a guess would be read without a word.
+
+    Parameters
+    ----------
+    names
+        The table's columns.
+    chosen
+        Columns by meaning that the user gave already.
+    cells
+        The table's first rows, by column, where they are known: they tell the vehicle and units of speeds.
 
     Examples
     --------
@@ -222,20 +242,71 @@ def example_map(names: Sequence[str]) -> str:
     "--columns 't=time,east=?,north=?' (put a column in place of each ?)"
     """
     free = [name for name in dict.fromkeys(names) if name and not set(name) & set(",='")]
-    guess = {
-        meaning: name for meaning, name in told_meanings(free).items() if MEANINGS[meaning].fills in _SHOWN
-    }
+    told = told_meanings([name for name in free if name not in chosen.values()])
+    given = {MEANINGS[meaning].fills for meaning in chosen}
+    guess = {meaning: name for meaning, name in told.items() if MEANINGS[meaning].fills in _SHOWN - given}
+    guess |= chosen
     for meaning, pattern in _LIKELY.items():
         filled = {MEANINGS[known].fills for known in guess}
         left = [name for name in free if name not in guess.values()]
         name = next((name for name in left if re.search(pattern, name.lower())), None)
         if name is not None and MEANINGS[meaning].fills not in filled:
             guess[meaning] = name
+    if cells is not None:
+        guess = _told_by_rows(guess, cells, [name for name in free if name not in guess.values()])
     time = next((meaning for meaning in guess if MEANINGS[meaning].fills == "t_s"), "t")
-    pair = next((pair for pair in _PAIRS if {*pair} <= guess.keys()), _PAIRS[-1])
-    others = [meaning for meaning in guess if MEANINGS[meaning].fills in _SHOWN - _PLACED]
+    pair = min(_PAIRS[::-1], key=lambda pair: (-len({*pair} & chosen.keys()), not {*pair} <= guess.keys()))
+    others = [
+        meaning
+        for meaning in guess
+        if MEANINGS[meaning].fills not in _PLACED and (meaning in chosen or MEANINGS[meaning].fills in _SHOWN)
+    ]
     shown = ",".join(f"{meaning}={guess.get(meaning, '?')}" for meaning in (time, *pair, *others))
     return f"--columns '{shown}'" + (" (put a column in place of each ?)" if "=?" in shown else "")
+
+
+def _told_by_rows(
+    guess: Mapping[str, str], cells: Mapping[str, Sequence[str]], free: Sequence[str]
+) -> dict[str, str]:
+    """Return a guess with the vehicle, the unit of the speed and a heading, as first rows tell them."""
+    from modelcast.io.map_guess import (  # noqa: PLC0415 - loads polars, for an error alone
+        guessed_heading,
+        guessed_speed,
+        guessed_vehicle,
+        sampled_times,
+    )
+
+    found = dict(guess)
+    heading = next((name for name in free if re.search(_HEADING, name.lower())), None)
+    values = None if heading is None else _numbers(cells[heading])
+    if heading is not None and values is not None and "heading_rad" not in _fills(found):
+        found[guessed_heading(values)] = heading
+    time = next((meaning for meaning in found if MEANINGS[meaning].fills == "t_s"), None)
+    t_s = None if time is None else sampled_times(cells[found[time]], found[time], MEANINGS[time].factor)
+    if t_s is None:
+        return found
+    vehicle = guessed_vehicle(t_s, cells, [name for name in free if name != heading])
+    if vehicle is not None and "vehicle" not in found:
+        found["vehicle"] = vehicle
+    si: dict[str, FloatArray] = {}
+    for meaning, name in found.items():
+        numbers = _numbers(cells[name]) if MEANINGS[meaning].fills in _PLACED | {"speed_mps"} else None
+        if numbers is not None:
+            si[MEANINGS[meaning].fills] = numbers * MEANINGS[meaning].factor
+    placed = si.keys() >= {*_LOCAL} or si.keys() >= {*_GEODETIC}
+    if "speed" in found and "speed_mps" in si and placed:
+        label = found.get("vehicle")
+        unit = guessed_speed(t_s, si, None if label is None else cells[label])
+        found = {unit if unit and word == "speed" else word: name for word, name in found.items()}
+    return found
+
+
+def _numbers(cells: Sequence[str]) -> FloatArray | None:
+    """Return a column's cells as numbers, None where one is none."""
+    try:
+        return np.array([float(cell.replace(",", ".")) for cell in cells])
+    except ValueError:
+        return None
 
 
 def detected_map(names: Collection[str]) -> ColumnMap | None:
@@ -284,17 +355,19 @@ def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> C
     if len(set(fills)) != len(fills):
         raise ConfigError(f"The column map {dict(columns)} names a quantity twice, in two units.")
     found = _mapped(chosen)
+    rest: dict[str, str] = {}
     if found is None:
         left = [name for name in names if name not in chosen.values()]
         barred = {*fills}
         for pair, other in ((_LOCAL, _GEODETIC), (_GEODETIC, _LOCAL)):
             barred |= {*other} if {*fills} & {*pair} else set()
-        rest = {word: name for word, name in _found(left).items() if MEANINGS[word].fills not in barred}
+        rest |= {word: name for word, name in _found(left).items() if MEANINGS[word].fills not in barred}
         found = _mapped(rest | chosen)
     if found is None:
+        given = ", ".join(f"{word}={name}" for word, name in columns.items())
         raise ConfigError(
-            f"The column map {dict(columns)} needs t, and east with north or lat with lon: "
-            "for example t=time,east=x,north=y,speed=v."
+            f"{path}: {given} is taken, but {_not_told({*fills} | _fills(rest))} not found: "
+            f"it needs t, and east with north or lat with lon. The whole map: {example_map(names, chosen)}."
         )
     return replace(
         found,
@@ -302,6 +375,17 @@ def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> C
         speed_assumed="" if "speed_mps" in columns else found.speed_assumed,
         degrees_stated=found.degrees_stated or not {*_GEODETIC}.isdisjoint(columns),
     )
+
+
+def _fills(meanings: Collection[str]) -> set[str]:
+    return {MEANINGS[meaning].fills for meaning in meanings}
+
+
+def _not_told(filled: set[str]) -> str:
+    """Return which of time and position are not among SI columns, with the verb."""
+    placed = filled >= {*_LOCAL} or filled >= {*_GEODETIC}
+    missing = ["time"] * ("t_s" not in filled) + ["position"] * (not placed)
+    return " and ".join(missing) + (" are" if len(missing) > 1 else " is")
 
 
 def _found(names: Collection[str]) -> dict[str, str]:

@@ -7,7 +7,8 @@
 not read.
 
 A byte order mark, line ends of any kind, blank padding, quotes around a field (without a separator inside)
-and E notation are read; blank or ``NULL`` is missing. UTF-16 is an error.
+and E notation are read; blank or ``NULL`` is missing. Text that is no UTF-8 is read as Windows-1252, and
+counted; UTF-16 is an error.
 
 Skipped and counted: rows whose time or position is blank, rows off the road (`modelcast.io.table_trips`), a
 cut last line. Repaired and counted: single missing values of optional columns (the last value is held), Unix
@@ -27,11 +28,13 @@ from modelcast.io.rows import Rows
 from modelcast.io.table_layout import TableLayout, decimal_mark, is_number, table_layout
 from modelcast.io.table_trips import AbstractTable, TablePart, table_trips
 from modelcast.io.text_blocks import number_column, read_blocks, text_column
-from modelcast.io.text_head import file_head, first_lines, rows_expected
+from modelcast.io.text_head import complete_lines, file_head, first_lines, is_utf8, rows_expected
 from modelcast.io.time_column import TimeColumn, TimeUnit
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["CsvReader"]
+
+_RECODED = "read as Windows-1252"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,10 +70,12 @@ class CsvReader(AbstractTripReader):
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per vehicle, as `modelcast.io.gathering` gathers them."""
-        lines = first_lines(file_head(path))
+        head = file_head(path)
+        lines = first_lines(head)
         layout = self._layout(path, lines)
         found = known_map(path, self.columns, layout.names, row=layout.lines)
         table = _TextTable(path, found, layout, lines)
+        table.recoded = "" if is_utf8(complete_lines(head)) else _RECODED
         yield from table_trips(table, self.name, on_skipped, held_bytes=self.held_bytes)
 
     def _layout(self, path: str, lines: list[str]) -> TableLayout:

@@ -78,6 +78,7 @@ def atomic_folder(
     clean_leftovers(target)
     require_replaceable(target, command, shown=shown)
     missing = [folder for folder in target.parents if not folder.exists()]
+    written: os.stat_result | None = None
     try:
         with ExitStack() as stack:
             try:
@@ -87,20 +88,37 @@ def atomic_folder(
             yield partial
             write_manifest(partial, command)
             _sync_tree(partial)
+            written = partial.stat()
             _place(partial, target, command, shown=shown)
+            _sync(target.parent)
     except BaseException as error:
         for folder in missing:
             with suppress(OSError):
                 folder.rmdir()
-        _note_untouched(error, target, told)
+        _note_left(error, target, told, written)
         raise
-    _sync(target.parent)
 
 
-def _note_untouched(error: BaseException, target: Path, told: str | None) -> None:
-    """Have an interrupt say that an output which errors have a name for is not there, or is the old one."""
+def _note_left(error: BaseException, target: Path, told: str | None, written: os.stat_result | None) -> None:
+    """Have an interrupt say what an output is that errors have a name for: not there, the old one, or whole.
+
+    Parameters
+    ----------
+    error
+        What ends the writing.
+    target, told
+        The output, and what errors call it.
+    written
+        What takes its place once it is whole; None before.
+    """
     if isinstance(error, KeyboardInterrupt) and told is not None:
-        error.add_note(f"{told} {'is as it was' if target.exists() else 'is not written'}")
+        found = target.stat() if target.exists() else None
+        if found is None:
+            error.add_note(f"{told} is not written")
+        elif written is not None and os.path.samestat(found, written):
+            error.add_note(f"{told} is written")
+        else:
+            error.add_note(f"{told} is as it was")
 
 
 @contextmanager
@@ -139,6 +157,7 @@ def atomic_file(
     target, told, shown = require_writable(path, shown=shown), shown, shown or str(path)
     require_apart(path, inputs, shown=shown)
     clean_leftovers(target)
+    written: os.stat_result | None = None
     try:
         with partial_file(target) as (partial, descriptor):
             with os.fdopen(descriptor, "wb", closefd=False) as file:
@@ -148,15 +167,16 @@ def atomic_file(
                 os.close(descriptor)
             with suppress(OSError):
                 partial.chmod(stat.S_IMODE(target.stat().st_mode))
+            written = partial.stat()
             partial.replace(target)
+            _sync(target.parent)
     except BrokenPipeError:
         raise
     except OSError as error:
         raise ConfigError(f"{shown} cannot be written: {error.strerror or error}") from error
     except KeyboardInterrupt as error:
-        _note_untouched(error, target, told)
+        _note_left(error, target, told, written)
         raise
-    _sync(target.parent)
 
 
 @contextmanager

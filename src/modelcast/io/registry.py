@@ -17,7 +17,7 @@ from modelcast.io.other_programs import refuse_other_program
 from modelcast.io.packed import member_of, open_octets, recording_name
 from modelcast.io.places import readable_kind
 from modelcast.io.table_layout import table_layout
-from modelcast.io.text_head import first_lines, refuse_utf16
+from modelcast.io.text_head import first_lines, refuse_utf16, split_fields
 
 __all__ = ["FORMATS", "READERS", "detect_format", "get_reader", "reader_names"]
 
@@ -113,9 +113,16 @@ def detect_format(path: str | Path) -> str:
 
 def _map_for(head: bytes) -> str:
     """Return an example of a column map where a file begins like a table, else nothing."""
-    layout = table_layout(first_lines(head), lambda names: len(names) > 2)
-    names = () if layout is None else layout.names
+    lines = first_lines(head)
+    layout = table_layout(lines, lambda names: len(names) > 2)
+    if layout is None:
+        return ""
+    names = layout.names
     if len(names) < 3 or not all(name.isprintable() and any(map(str.isalpha, name)) for name in names):
         return ""
+    rows = [split_fields(line, layout.separator) for line in lines[layout.lines :]]
+    whole = [row for row in rows if len(row) == len(names)]
+    cells = {name: [row[at] for row in whole] for at, name in enumerate(names)} if whole else None
     columns = ", ".join(names)
-    return f"As a table of the columns {columns} it takes a column map, for example {example_map(names)}."
+    example = example_map(names, cells=cells)
+    return f"As a table of the columns {columns} it takes a column map, for example {example}."

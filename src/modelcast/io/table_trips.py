@@ -80,6 +80,9 @@ class AbstractTable(ABC):
         What its columns mean.
     """
 
+    recoded: str = ""
+    """What the trips' counts say of an encoding that is not the usual one."""
+
     counts_rows: ClassVar[bool] = False
     """Whether `rows_expected` is exact."""
 
@@ -131,6 +134,8 @@ def table_trips(
     for found in gathered(rows, held_bytes):
         tally = Tally()
         tally.skip("partial last line", int(found.partial))
+        if table.recoded:
+            tally.repair(table.recoded, len(found.rows))
         trip_id = rows.called(found.key)
         trip = _trip(
             table.path, source, trip_id, found.rows, tally,

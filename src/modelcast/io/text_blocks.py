@@ -7,7 +7,7 @@ and padding have to be told from numbers, and a bad cell has to be named by its 
 Most files hold nothing of that kind. A block without blanks and quotes is parsed as numbers at once, and anew
 as text where one cell is no number: the same numbers, three times as fast.
 
-Lines end with LF, CRLF or CR alone, also mixed in one file.
+Lines end with LF, CRLF or CR alone, also mixed in one file. A block that is no UTF-8 is read as Windows-1252.
 """
 
 import io
@@ -23,7 +23,7 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.packed import open_octets
 from modelcast.io.rows import are_numbers
-from modelcast.io.text_head import BOM
+from modelcast.io.text_head import BOM, as_utf8
 
 __all__ = [
     "BLOCK_BYTES",
@@ -109,7 +109,8 @@ def read_blocks(
     width = max(counts) if width is None else width
     first_line = 1
     with open_octets(path) as file:
-        for index, raw in enumerate(_whole_lines(path, file)):
+        for index, read in enumerate(_whole_lines(path, file)):
+            raw = as_utf8(read)
             ends = _line_ends(raw)
             lines = ends.size
             skip = min(max(skip_lines - (first_line - 1), 0), lines)

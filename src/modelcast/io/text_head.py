@@ -5,7 +5,17 @@ from pathlib import Path
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.packed import is_packed, open_octets
 
-__all__ = ["BOM", "file_head", "first_lines", "refuse_utf16", "rows_expected", "split_fields"]
+__all__ = [
+    "BOM",
+    "as_utf8",
+    "complete_lines",
+    "file_head",
+    "first_lines",
+    "is_utf8",
+    "refuse_utf16",
+    "rows_expected",
+    "split_fields",
+]
 
 BOM = b"\xef\xbb\xbf"
 """The byte order mark of UTF-8."""
@@ -59,9 +69,42 @@ def first_lines(head: bytes) -> list[str]:
     >>> first_lines(b"t,x\r1,2\r3,")
     ['t,x', '1,2']
     """
+    return [as_utf8(line).decode("utf-8") for line in complete_lines(head).splitlines()]
+
+
+def complete_lines(head: bytes) -> bytes:
+    """Return the start of a file up to its last line end (all of it without one), without byte order mark."""
     text = head.removeprefix(BOM)
     end = max(text.rfind(b"\n"), text.rfind(b"\r")) + 1
-    return [line.decode("utf-8", "replace") for line in (text[:end] or text).splitlines()]
+    return text[:end] or text
+
+
+def as_utf8(text: bytes) -> bytes:
+    r"""Return text in UTF-8; what is none is taken for Windows-1252, which has Latin-1 in it.
+
+    Examples
+    --------
+    >>> as_utf8(b"L\xe4nge").decode(), as_utf8("Länge".encode()).decode()
+    ('Länge', 'Länge')
+    """
+    if is_utf8(text):
+        return text
+    return text.decode("cp1252", "replace").encode()
+
+
+def is_utf8(text: bytes) -> bool:
+    r"""Return whether octets are text in UTF-8.
+
+    Examples
+    --------
+    >>> is_utf8(b"t,x"), is_utf8(b"L\xe4nge")
+    (True, False)
+    """
+    try:
+        text.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
 
 
 def split_fields(line: str, separator: str = ",") -> list[str]:

@@ -14,6 +14,7 @@ The first known value decides, and every other value has to agree with it.
 Whole numbers are taken from the first before they become float64, so that nanoseconds keep their digits.
 """
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +44,7 @@ _NANO = 10**9
 _CLOCK, _DATED, _ZONED = range(3)
 _KINDS = ("a time of day without a date", "a date and time without a zone", "a date and time with a zone")
 _AS_ISO = "Write it as seconds, or as 2024-03-15T10:00:00.100Z."
+_DAY_FIRST = re.compile(r"(\d\d?)([./-])(\d\d?)\2(\d{4})\b.*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,13 +186,24 @@ class TimeColumn:
         else:
             expected = "a finite number in the unit of the first row"
             if not self._begun:
-                expected, remedy = "a number, a date and time or a time of day", _AS_ISO
+                expected, remedy = "a number, a date and time or a time of day", _as_iso(str(shown[at]))
         raise DataFormatError(
             self._path,
             f"{self._name} is {shown[at]!r}, not {expected}",
             row=int(line[at]),
             remedy=remedy,
         )
+
+
+def _as_iso(shown: str) -> str:
+    """Return how to write a time that is none; where it is a date with its year last, that date."""
+    date = _DAY_FIRST.fullmatch(shown.strip())
+    if date is None:
+        return _AS_ISO
+    day, mark, month, year = date.groups()
+    if mark != ".":
+        return f"The year comes first, so that day and month are certain. {_AS_ISO}"
+    return f"Write the date as {year}-{month:0>2}-{day:0>2}, the year first. {_AS_ISO}"
 
 
 def holds_dates(text: pl.Series) -> bool:

@@ -11,7 +11,7 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.io.rows import Rows
 from modelcast.trips.trajectory import GAP_STEPS
 
-__all__ = ["refuse_long_steps", "refuse_other_speed", "refuse_other_unit"]
+__all__ = ["refuse_long_steps", "refuse_other_speed", "refuse_other_unit", "speed_unit"]
 
 _LARGEST_RATIO = 300.0
 """No error of a receiver or a vehicle is that large over a trip; the next unit is 1000 times off."""
@@ -90,18 +90,35 @@ def refuse_other_speed(path: str, rows: Rows, speed: str) -> None:
     speed
         Name of the speed column.
     """
+    told = speed_unit(rows)
+    if told is not None:
+        meaning, ratio = told
+        raise DataFormatError(
+            path,
+            f"{speed} is {ratio:.2f} times what the positions move in m/s",
+            row=int(rows.line[0]),
+            remedy=f"Map it by its unit: {meaning}={speed}. Where it does hold m/s: speed_mps={speed}.",
+        )
+
+
+def speed_unit(rows: Rows) -> tuple[str, float] | None:
+    """Return what a column map calls speeds in another unit than m/s, and their ratio to the positions.
+
+    None where no unit fits, or the way is too short to tell.
+
+    Parameters
+    ----------
+    rows
+        One vehicle's rows with ``t_s``, ``east_m``, ``north_m`` and ``speed_mps``, as if that were in m/s.
+    """
     moved_m, said_m = _ways(rows)
     if not moved_m > _LEAST_WAY_M:
-        return
+        return None
     ratio = said_m / moved_m
     for meaning, factor in _SPEEDS.items():
         if abs(ratio / factor - 1.0) <= _SPEED_TOLERANCE:
-            raise DataFormatError(
-                path,
-                f"{speed} is {ratio:.2f} times what the positions move in m/s",
-                row=int(rows.line[0]),
-                remedy=f"Map it by its unit: {meaning}={speed}. Where it does hold m/s: speed_mps={speed}.",
-            )
+            return meaning, ratio
+    return None
 
 
 def _ways(rows: Rows) -> tuple[float, float]:

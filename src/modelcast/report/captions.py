@@ -73,8 +73,8 @@ def captions(result: EvaluationResult) -> dict[str, str]:
         ),
         "tracking_loss": (
             "90th percentile of the PTE after the instant's message, all trips and seeds pooled"
-            f"{label}, with {conditions}, on a logarithmic axis; bands are 95 % Student-t limits over the "
-            f"seeds. {readings}"
+            f"{label}, with {conditions}, on a logarithmic axis; thin bars are 95 % Student-t limits over "
+            f"the seeds, taken on the logarithm. {readings}"
         ),
         "sub_models": (
             f"Error of every sub-model fitted at the last update{detail}, before the instant's message and "
@@ -84,7 +84,8 @@ def captions(result: EvaluationResult) -> dict[str, str]:
         ),
         "manoeuvre": (
             "The true path and the one each sub-model predicts from the start on, fitted to the samples "
-            f"before it; a cross marks where the error first reaches the threshold{_of(detail_m)}. On the "
+            "before it; the map is cut to the true path, and a cross marks "
+            f"where the error first reaches the threshold{_of(detail_m)}. On the "
             "right, the same errors against time, up to four thresholds."
         ),
         "trips": (

@@ -10,12 +10,12 @@ from modelcast.report.console import failures_table, left_out_text, skipped_line
 from modelcast.report.console_table import console_table
 from modelcast.report.figures.comparison import plot_comparison, rival_rows_of, worst_rows
 from modelcast.report.figures.files import drawn, write_report_files
-from modelcast.report.headline import nearest_ratio
 from modelcast.report.literal import Prose, literal
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
 from modelcast.study.compare.result import CandidateRow, ComparisonResult
+from modelcast.study.loss_ratios import nearest_ratio
 from modelcast.study.rules import MODEL_SENDER
 from modelcast.study.table import Row
 from modelcast.study.wording import centimetres

@@ -3,7 +3,7 @@
 Nothing is printed here; the command line hands what `console_report` returns to a rich console.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 
 from rich.console import Group, RenderableType
 
@@ -14,11 +14,11 @@ from modelcast.report.headline import (
     SAME_RATE,
     SAME_THRESHOLD,
     Headline,
-    evaluated_ratios,
     headlines,
-    nearest_ratio,
+    loss_title,
     rate_basis,
     sender_label,
+    shown_ratios,
 )
 from modelcast.report.literal import Prose, literal
 from modelcast.report.training_trips import training_note
@@ -186,7 +186,7 @@ def tracking_tables(result: EvaluationResult) -> list[ConsoleTable]:
     Without loss, and near a packet error ratio of 0.4.
     """
     sender = sender_label(result)
-    places = [(line, ratio) for ratio in _shown_ratios(result) for line in headlines(result)]
+    places = [(line, ratio) for ratio in shown_ratios(result) for line in headlines(result)]
     starts = [[_threshold(line), f"{100 * ratio:g} %"] for line, ratio in places]
     names = (sender, "free", "baseline")
     heads = [f"{name}\n{what}" for what in ("1/s", "p90") for name in names]
@@ -198,14 +198,14 @@ def tracking_tables(result: EvaluationResult) -> list[ConsoleTable]:
         ]
         for start, (line, ratio) in zip(starts, places, strict=True)
     ]
-    title = "Same threshold: messages per second, p90 of the error in metres"
+    title = f"Same threshold, {loss_title(result)}: messages per second, p90 of the error in metres"
     same = console_table(Cells(["threshold", "PER", *heads], rows, 0), title)
     names = (f"{sender}\np90", "free\nmatched", "baseline\nmatched", "baseline\nperiodic")
     rows = [
         [*start, *(_number(line.p90_m(ratio, role), 3) for role in SAME_RATE)]
         for start, (line, ratio) in zip(starts, places, strict=True)
     ]
-    title = f"Same {rate_basis(result)} rate as {sender}: p90 of the error in metres"
+    title = f"Same {rate_basis(result)} rate as {sender}, {loss_title(result)}: p90 of the error in metres"
     return [same, console_table(Cells(["threshold", "PER", *names], rows, 0), title)]
 
 
@@ -213,12 +213,6 @@ def failures_table(failures: Mapping[str, str]) -> ConsoleTable:
     """Return the trips that could not be evaluated, each with its reason."""
     title = f"Not evaluated: {_counted(len(failures), 'trip')}"
     return console_table(Cells(("trip", "reason"), sorted(failures.items())), title, longest=36)
-
-
-def _shown_ratios(result: EvaluationResult) -> Sequence[float]:
-    ratios = evaluated_ratios(result)
-    nearest = (nearest_ratio(ratios, 0.0), nearest_ratio(ratios))
-    return sorted({ratio for ratio in nearest if ratio is not None})
 
 
 def _threshold(line: Headline) -> str:

@@ -15,7 +15,6 @@ from modelcast.report.headline import (
     Headline,
     evaluated_ratios,
     headlines,
-    nearest_ratio,
     sender_label,
 )
 from modelcast.report.senders import (
@@ -25,6 +24,7 @@ from modelcast.report.senders import (
     is_free_receiver,
     sender_words,
 )
+from modelcast.study.loss_ratios import nearest_ratio
 from modelcast.study.result import EvaluationResult, TripRow
 from modelcast.study.rules import FREE_MATCHED, FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.table import Row
@@ -152,8 +152,8 @@ def _sent_under(result: EvaluationResult, lines: Sequence[Headline], ratio: floa
     if not sent:
         return ""
     lost = [f"{100 * ratio:.4g} % of the messages lost"] if ratio else []
-    kept = [] if longest_s is None else [f"one at least every {longest_s:g} s"]
-    return f" With {' and '.join(lost + kept)} it sent {sent}."
+    kept = [] if longest_s is None else [f"a message at least every {longest_s:g} s"]
+    return f" With {' and '.join(lost + kept)}, it sent {sent}."
 
 
 def _over(own_hz: float | None, other_hz: float | None) -> float | None:
@@ -207,7 +207,7 @@ def _repeating(result: EvaluationResult, lines: Sequence[Headline]) -> str:
     much = f" and {send} up to {max(times):.1f} times as much" if times else ""
     baseline = " The baseline does not repeat." if any(line.baseline is not None for line in lines) else ""
     told = f" Under losses {who} also {repeat}: {know} the share lost{much}."
-    return f"{told}{baseline} With believe sent nobody repeats."
+    return f"{told}{baseline} Where believe is sent, nobody does."
 
 
 def _not_found(result: EvaluationResult, lines: Sequence[Headline]) -> str:

@@ -3,13 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 
+from modelcast.study.loss_ratios import nearest_ratio
 from modelcast.study.result import POOLED, EvaluationResult
 from modelcast.study.rules import FREE_MATCHED, FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.table import Row
 
 __all__ = [
     "EQUAL_RATE_POLICIES",
-    "HEADLINE_RATIO",
     "REFERENCE_LABELS",
     "SAME_RATE",
     "SAME_THRESHOLD",
@@ -17,8 +17,8 @@ __all__ = [
     "detail_threshold_m",
     "evaluated_ratios",
     "headlines",
+    "loss_title",
     "main_bank",
-    "nearest_ratio",
     "policy_label",
     "pooled_rate",
     "pooled_reference",
@@ -26,6 +26,7 @@ __all__ = [
     "rate_basis",
     "role_of",
     "sender_label",
+    "shown_ratios",
     "thresholds_m",
     "tracking_of",
 ]
@@ -38,9 +39,6 @@ SAME_THRESHOLD = (MODEL_SENDER, FREE_RECEIVER, "baseline")
 
 SAME_RATE = (MODEL_SENDER, FREE_MATCHED, *EQUAL_RATE_POLICIES)
 """Roles that are drawn beside each other where all send as often as the first."""
-
-HEADLINE_RATIO = 0.4
-"""The packet error ratio that the paper's distribution is drawn at."""
 
 REFERENCE_LABELS = {
     "clairvoyant-1": "Known future, degree 1",
@@ -148,16 +146,32 @@ def evaluated_ratios(result: EvaluationResult) -> list[float]:
     return sorted({row.packet_error_ratio for row in result.tracking})
 
 
-def nearest_ratio(ratios: Sequence[float], target: float = HEADLINE_RATIO) -> float | None:
-    """Return the ratio nearest to the target, the smaller of two; None for an empty sequence.
+def shown_ratios(result: EvaluationResult) -> list[float]:
+    """Return the packet error ratios that tables show: those nearest to none and to 0.4, rising.
 
-    Examples
-    --------
-    >>> nearest_ratio([0.0, 0.3, 0.5])
-    0.3
+    Parameters
+    ----------
+    result
+        The evaluation.
     """
-    # Rounding makes 0.3 and 0.5 equally near to 0.4, which they are not in binary.
-    return min(ratios, key=lambda ratio: (round(abs(ratio - target), 9), ratio), default=None)
+    ratios = evaluated_ratios(result)
+    nearest = (nearest_ratio(ratios, 0.0), nearest_ratio(ratios))
+    return sorted({ratio for ratio in nearest if ratio is not None})
+
+
+def loss_title(result: EvaluationResult) -> str:
+    """Return what sets the loss runs apart from the rate runs, for titles of tables.
+
+    Parameters
+    ----------
+    result
+        The evaluation.
+    """
+    longest_s = result.settings.get("keep_alive_s")
+    lossy = any(evaluated_ratios(result))
+    parts = ["losses"] if lossy else []
+    parts += [] if longest_s is None else [f"a message at least every {longest_s:g} s"]
+    return f"with {' and '.join(parts)}" if parts else "without loss"
 
 
 def main_bank(result: EvaluationResult) -> str:

@@ -4,6 +4,7 @@ Figures are embedded as SVG images, so that names inside two of them cannot clas
 stamp and no path; the same result gives the same bytes.
 """
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast
@@ -20,14 +21,15 @@ from modelcast.report.headline import (
     REFERENCE_LABELS,
     SAME_RATE,
     SAME_THRESHOLD,
-    evaluated_ratios,
+    Headline,
     headlines,
-    nearest_ratio,
+    loss_title,
     policy_label,
     pooled_reference,
     rate_basis,
     role_of,
     sender_label,
+    shown_ratios,
 )
 from modelcast.report.page import CSS, embedded_figure, page
 from modelcast.report.player import player, player_css
@@ -39,6 +41,7 @@ from modelcast.study.table import Row
 __all__ = ["report_document", "write_report"]
 
 _LONGEST_SETTING = 240
+_LABEL = re.compile(r"\blabel='([^']+)'\)$")
 _MOST_TRACKING_ROWS = 600
 """Above this, the rows of single trips are left to ``summary.json``: a browser must open the page at once."""
 
@@ -95,9 +98,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         "<h2>Tracking</h2>",
         _tracking_section(result),
         "<h2>Settings</h2>",
-        Cells(
-            ["setting", "value"], [(name, _shortened(text)) for name, text in _settings(result.settings)]
-        ).html(),
+        _settings_table(result.settings),
         "<h2>Not evaluated</h2>",
         _failures(result.failures),
         _skipped(result.skipped),
@@ -133,33 +134,55 @@ def _headline_table(result: EvaluationResult) -> str:
 
 
 def _rate_table(result: EvaluationResult) -> str:
+    """Messages and what they are beside the rivals'; then what they cost on the air."""
     sender = sender_label(result)
-    head = ["threshold [cm]", f"{sender} updates [1/s]", f"{sender} identifications [1/s]"]
+    lines = headlines(result)
+    each = [(line.mbc, line.free, line.baseline) for line in lines]
     names = (sender, "free receiver", "baseline")
-    for what in ("[1/s]", "[byte/s]", "airtime [ms/s]"):
-        head += [f"{name} {what}" for name in names]
-    head += [f"{sender} / free receiver", f"{sender} / baseline", f"airtime, {sender} / baseline"]
-    rows: list[list[str]] = []
-    for line in headlines(result):
-        each = (line.mbc, line.free, line.baseline)
-        rows.append(
-            [
-                number(100 * line.threshold_m, 4),
-                number(line.mbc and line.mbc.update_rate_hz),
-                number(line.mbc and line.mbc.identification_rate_hz),
-                *(number(row and row.total_rate_hz) for row in each),
-                *(number(row and row.bytes_per_s) for row in each),
-                *(number(row and 1000 * row.airtime_per_s) for row in each),
-                *(number(ratio) for ratio in (line.free_ratio, line.ratio, line.airtime_ratio)),
-            ]
-        )
-    note = (
-        "At the same threshold: messages on an ideal channel without keep-alive, all trips pooled by time. "
-        "The baseline and the free receiver are sent plain messages, error-driven at the same threshold. "
-        "Bytes are those of the messages in their frames; airtime counts all layers and the security header, "
-        "at 6 Mb/s."
+    named = any(line.mbc is not None and line.mbc.identifications for line in lines)
+    head = ["threshold [cm]", *(f"{name} [1/s]" for name in names)]
+    head += [f"{sender} / free receiver", f"{sender} / baseline"]
+    head += [f"{sender} identifications [1/s]"] if named else []
+    rows = [
+        [
+            _threshold(line),
+            *(number(row and row.total_rate_hz) for row in rates),
+            *(number(ratio) for ratio in (line.free_ratio, line.ratio)),
+            *([number(line.mbc and line.mbc.identification_rate_hz)] if named else []),
+        ]
+        for line, rates in zip(lines, each, strict=True)
+    ]
+    costs = ["threshold [cm]", *(f"{name} {what}" for what in ("[byte/s]", "[ms/s]") for name in names)]
+    costs.append(f"airtime, {sender} / baseline")
+    spent = [
+        [
+            _threshold(line),
+            *(number(row and row.bytes_per_s) for row in rates),
+            *(number(row and 1000 * row.airtime_per_s) for row in rates),
+            number(line.airtime_ratio),
+        ]
+        for line, rates in zip(lines, each, strict=True)
+    ]
+    return _titled(
+        "Same threshold, without loss: messages",
+        Cells(head, rows, 0),
+        "Messages on an ideal channel without keep-alive, all trips pooled by time. All are error-driven at "
+        "the same threshold; baseline and free receiver are sent plain messages.",
+    ) + _titled(
+        "Same threshold, without loss: bytes, and time on the air",
+        Cells(costs, spent, 0),
+        "Bytes are those of the messages in their frames; airtime, in ms a second, counts all layers and the "
+        "security header, at 6 Mb/s.",
     )
-    return Cells(head, rows, 0).html() + f'<p class="note">{escape(note)}</p>'
+
+
+def _titled(title: str, cells: Cells, note: str) -> str:
+    """A table under its title and above its note."""
+    return f'<h3>{escape(title)}</h3>{cells.html()}<p class="note">{escape(note)}</p>'
+
+
+def _threshold(line: Headline) -> str:
+    return f"{100 * line.threshold_m:.4g}"
 
 
 def _reference_table(result: EvaluationResult) -> str:
@@ -169,58 +192,53 @@ def _reference_table(result: EvaluationResult) -> str:
     rows: list[list[str]] = []
     for line in headlines(result):
         found = [pooled_reference(result, name, line.threshold_m) for name in REFERENCE_LABELS]
-        rows.append([number(100 * line.threshold_m, 4), *(number(row and row.rate_hz) for row in found)])
+        rows.append([_threshold(line), *(number(row and row.rate_hz) for row in found)])
     undecided = sum(row.undecided for row in result.references if row.trip == POOLED)
     note = (
-        "References, messages over time observed: the fewest messages of a sender that knows the future and "
+        "Messages over time observed: the fewest messages of a sender that knows the future and "
         "sends one polynomial of that degree for each axis, and the triggering rules of ETSI EN 302 637-2. "
         f"Undecided tests, taken as failed: {undecided}."
     )
-    return Cells(head, rows, 0).html() + f'<p class="note">{escape(note)}</p>'
+    return _titled("References", Cells(head, rows, 0), note)
 
 
 def _loss_tables(result: EvaluationResult) -> str:
     """Both readings under loss: at the same threshold messages and errors, at the same rate errors."""
-    ratios = evaluated_ratios(result)
-    nearest = (nearest_ratio(ratios, 0.0), nearest_ratio(ratios))
-    shown = sorted({ratio for ratio in nearest if ratio is not None})
-    if not shown:
+    places = [(ratio, line) for ratio in shown_ratios(result) for line in headlines(result)]
+    if not places:
         return ""
     sender = sender_label(result)
-    same = dict(zip(SAME_THRESHOLD, (sender, "free receiver", "baseline"), strict=True))
-    first = ["threshold [cm]"]
-    for ratio in shown:
-        first += [f"PER {100 * ratio:g} %, {name} [1/s]" for name in same.values()]
-        first += [f"PER {100 * ratio:g} %, {name} p90 [m]" for name in same.values()]
-    rows: list[list[str]] = []
-    for line in headlines(result):
-        cells = [number(100 * line.threshold_m, 4)]
-        for ratio in shown:
-            cells += [number(line.rate_hz(ratio, role)) for role in same]
-            cells += [number(line.p90_m(ratio, role)) for role in same]
-        rows.append(cells)
-    at_threshold = (
-        "At the same threshold: messages sent, keep-alives among them, and 90th percentile of the position "
-        f"tracking error after the instant's message, with {loss_conditions(result)}."
-    )
-    names = (sender, "free receiver", "baseline, error-driven", "baseline, periodic")
-    matched = dict(zip(SAME_RATE, names, strict=True))
-    head = ["threshold [cm]"]
-    head += [f"PER {100 * ratio:g} %, {name} [m]" for ratio in shown for name in matched.values()]
-    equal = [
-        [
-            number(100 * line.threshold_m, 4),
-            *(number(line.p90_m(ratio, role)) for ratio in shown for role in matched),
-        ]
-        for line in headlines(result)
+    names = (sender, "free receiver", "baseline")
+    starts = [[_threshold(line), f"{100 * ratio:.4g}"] for ratio, line in places]
+    first = [
+        "threshold [cm]",
+        "lost [%]",
+        *(f"{name} {what}" for what in ("[1/s]", "p90 [m]") for name in names),
     ]
-    at_rate = (
+    same = [
+        [
+            *start,
+            *(number(line.rate_hz(ratio, role)) for role in SAME_THRESHOLD),
+            *(number(line.p90_m(ratio, role)) for role in SAME_THRESHOLD),
+        ]
+        for start, (ratio, line) in zip(starts, places, strict=True)
+    ]
+    matched = (sender, "free receiver", "baseline, error-driven", "baseline, periodic")
+    head = ["threshold [cm]", "lost [%]", *(f"{name} p90 [m]" for name in matched)]
+    equal = [
+        [*start, *(number(line.p90_m(ratio, role)) for role in SAME_RATE)]
+        for start, (ratio, line) in zip(starts, places, strict=True)
+    ]
+    return _titled(
+        f"Same threshold, {loss_title(result)}",
+        Cells(first, same, 0),
+        "At the same threshold: messages sent, keep-alives among them, and 90th percentile of the position "
+        f"tracking error after the instant's message, with {loss_conditions(result)}.",
+    ) + _titled(
+        f"Same rate, {loss_title(result)}",
+        Cells(head, equal, 0),
         f"At the same rate: the same percentile where all send at {sender}'s {rate_basis(result)} rate; "
-        "the threshold of the others is then their own."
-    )
-    return "".join(
-        cells.html() + f'<p class="note">{escape(note)}</p>'
-        for cells, note in ((Cells(first, rows, 0), at_threshold), (Cells(head, equal, 0), at_rate))
+        "the threshold of the others is then their own.",
     )
 
 
@@ -343,6 +361,15 @@ def _shortened(text: str) -> str:
     return f"{text[:_LONGEST_SETTING]}\u2026 (whole in summary.json)"
 
 
+def _settings_table(settings: Mapping[str, Any]) -> str:
+    """Return the settings that are given as a table, and the names of those that are not in a line."""
+    pairs = _settings(settings)
+    table = Cells(["setting", "value"], [(name, _shortened(text)) for name, text in pairs if text]).html()
+    not_given = ", ".join(name for name, text in pairs if not text)
+    note = f'<p class="note">{escape(f"Not given: {not_given}.")}</p>' if not_given else ""
+    return f'<div class="settings">{table}</div>{note}'
+
+
 def _settings(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
     """Return the settings as pairs of text; what is nested gets a dotted name."""
     found: list[tuple[str, str]] = []
@@ -350,7 +377,18 @@ def _settings(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str, 
         if isinstance(value, Mapping):
             found += _settings(cast("Mapping[str, Any]", value), f"{prefix}{key}.")
         elif isinstance(value, list | tuple):
-            found.append((prefix + key, ", ".join(str(item) for item in cast("list[object]", value))))
+            found.append((prefix + key, ", ".join(map(_plain, cast("list[object]", value)))))
         else:
-            found.append((prefix + key, str(value)))
+            found.append((prefix + key, _plain(value)))
     return found
+
+
+def _plain(value: object) -> str:
+    """Return a value as text: numbers to four digits, a sub-model that names itself by that name."""
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    text = str(value)
+    label = _LABEL.search(text)
+    return text if label is None else f"{label[1]} ({text.partition('(')[0]})"

@@ -16,6 +16,7 @@ body { font: 15px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", Arial, sa
   background: #fff; max-width: 62rem; margin: 2rem auto; padding: 0 1.25rem; }
 h1 { font-size: 1.6rem; margin: 0 0 .25rem; }
 h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid #ddd; padding-bottom: .2rem; }
+h3 { font-size: .95rem; margin: 1.4rem 0 .2rem; }
 .scope { color: #555; margin: 0 0 .75rem; }
 .finding { max-width: 46rem; }
 .note { color: #555; font-size: .85rem; }
@@ -24,24 +25,31 @@ table { border-collapse: collapse; font-size: .8rem; font-variant-numeric: tabul
 th, td { padding: .22rem .55rem; text-align: right; vertical-align: top; border-bottom: 1px solid #eee; }
 th { font-weight: 600; vertical-align: bottom; border-bottom: 1px solid #999; }
 th.text, td.text { text-align: left; overflow-wrap: anywhere; min-width: 4.5rem; }
+.settings td:first-child { white-space: nowrap; }
 tbody tr:nth-child(even) { background: #f7f8fa; }
 figure { margin: 1.4rem 0 2rem; }
 figure img { max-width: 100%; height: auto; display: block; }
 figcaption { font-size: .85rem; color: #444; margin-top: .5rem; max-width: 46rem; }
 .enlarge { display: block; max-width: 100%; padding: 0; border: 0; background: none; cursor: zoom-in; }
+.enlarge span { display: none; font: inherit; font-size: .85rem; color: #0072b2; text-align: left;
+  padding: .5rem 0; }
+@media (max-width: 750px) { .enlarge span { display: block; } }
 .enlarged { width: 100vw; height: 100dvh; max-width: none; max-height: none; margin: 0; padding: .6rem;
   border: 0; box-sizing: border-box; }
 .enlarged[open] { display: flex; flex-direction: column; gap: .5rem; align-items: flex-end; }
+.enlarged p { margin: 0; font-size: .85rem; color: #444; }
+.enlarged p[hidden] { display: none; }
 .enlarged button { font: inherit; padding: .3rem 1rem; min-height: 40px; cursor: pointer; }
 .enlarged div { flex: 1; min-height: 0; width: 100%; overflow: auto; }
 .enlarged img { display: block; height: auto; max-width: none; margin: 0 auto; }
 :focus-visible { outline: 3px solid #0072b2; outline-offset: 2px; }
 summary { cursor: pointer; font-weight: 600; margin: .4rem 0; }
 @media print {
+  .enlarge span { display: none; }
   @page { margin: 15mm; }
   body { max-width: none; margin: 0; padding: 0; font-size: 10pt; }
   figure, tr { break-inside: avoid; }
-  h2 { break-after: avoid; }
+  h2, h3 { break-after: avoid; }
   thead { display: table-header-group; }
   table { font-size: 6.5pt; }
   th, td { padding: .1rem .25rem; }

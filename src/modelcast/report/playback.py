@@ -21,7 +21,14 @@ from modelcast.study.result import EvaluationResult
 from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.wording import centimetres
 
-__all__ = ["MOST_SAMPLES", "PATH_WITHIN_M", "playback_caption", "playback_document", "played_samples"]
+__all__ = [
+    "MOST_SAMPLES",
+    "PATH_WITHIN_M",
+    "playback_caption",
+    "playback_document",
+    "playback_opening",
+    "played_samples",
+]
 
 MOST_SAMPLES = 12_000
 """Trips of more samples are thinned: twenty minutes at 10 Hz."""
@@ -96,6 +103,22 @@ def playback_document(result: EvaluationResult) -> dict[str, Any]:
     }
 
 
+def playback_opening(result: EvaluationResult) -> str:
+    """Return what to look at first, in two sentences: it opens on the channel that loses most.
+
+    Parameters
+    ----------
+    result
+        An evaluation with a playback.
+    """
+    lossy = result.playback is not None and any(run.lost.any() for run in result.playback.runs)
+    after = "after a lost message" if lossy else "between two messages"
+    return (
+        "Grey is the vehicle; a coloured outline is where a receiver believes it to be. "
+        f"Press Play and watch them drift apart {after}."
+    )
+
+
 def playback_caption(result: EvaluationResult) -> str:
     """Return what the playback shows, and what was left out of it.
 
@@ -131,7 +154,7 @@ def playback_caption(result: EvaluationResult) -> str:
         "and the vehicle; in colour: where each receiver believes it to be"
         + (", with the same losses for all" if several else "")
         + ". The axis of the errors is straight up to two thresholds and logarithmic beyond. "
-        "Marks beside the path and below the errors are messages, hollow where lost. "
+        "Marks beside the path, a metre away at most, and below the errors are messages, hollow where lost. "
         f"{_beyond(playback)}{left_out} Space plays; drag to zoom the errors, click to go to a time."
     )
 

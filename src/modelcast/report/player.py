@@ -4,7 +4,7 @@ Everything stays hidden until its script runs; without one the report's drawn fi
 """
 
 from modelcast.core.cells import escape
-from modelcast.report.playback import playback_caption, playback_document
+from modelcast.report.playback import playback_caption, playback_document, playback_opening
 from modelcast.report.scripts import data_block, static_text
 from modelcast.study.result import EvaluationResult
 
@@ -30,12 +30,14 @@ def player(result: EvaluationResult) -> str:
     if result.playback is None:
         return ""
     values = playback_document(result)
+    ratios = [one["packet_error_ratio"] for one in values["channels"]]
+    first = ratios.index(max(ratios))
     channels = "".join(
-        f'<option value="{at}">{_channel(one["packet_error_ratio"])}</option>'
-        for at, one in enumerate(values["channels"])
+        f'<option value="{at}"{" selected" if at == first else ""}>{_channel(ratio)}</option>'
+        for at, ratio in enumerate(ratios)
     )
     speeds = "".join(
-        f'<option value="{speed}"{" selected" if speed == "1" else ""}>{speed} times</option>'
+        f'<option value="{speed}"{" selected" if speed == "1" else ""}>&times;{speed}</option>'
         for speed in _SPEEDS
     )
     heads = "".join(f'<th class="text" scope="col">{head}</th>' for head in _HEADS)
@@ -46,6 +48,7 @@ def player(result: EvaluationResult) -> str:
     )
     return f"""<section id="playback" aria-labelledby="playback-title" hidden>
 <h2 id="playback-title">The trip, played</h2>
+<p class="finding">{escape(playback_opening(result))}</p>
 <div class="playback-row">
 <button type="button" id="playback-play" aria-keyshortcuts="Space">Play</button>
 <label class="long">Time <input type="range" id="playback-time" step="0.1"></label>

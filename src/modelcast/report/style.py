@@ -134,11 +134,12 @@ def new_figure(width_in: float, height_in: float) -> Figure:
 
 
 def model_colours(names: Sequence[str]) -> dict[str, str]:
-    """Return a colour for each sub-model, by its place in the bank.
+    """Return a colour for each sub-model, by its place in the bank; ``free`` has the free receiver's.
 
     Parameters
     ----------
     names
         The sub-models in the bank's order.
     """
-    return {name: _MODEL_COLOURS[at % len(_MODEL_COLOURS)] for at, name in enumerate(names)}
+    colours = {name: _MODEL_COLOURS[at % len(_MODEL_COLOURS)] for at, name in enumerate(names)}
+    return colours | {name: POLICY_COLOURS["free"] for name in names if name == "free"}

@@ -10,14 +10,13 @@ from modelcast.runtime.trip.replay import replay, schedules_of
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime
 from modelcast.station.policy.base import MessageKind
 from modelcast.study.case import TripCase
+from modelcast.study.loss_ratios import nearest_ratio
 from modelcast.study.playback import Playback, PlayedRun
 from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.settings import EvaluationSettings
 from modelcast.study.tracking import draw_losses
 
 __all__ = ["draw_playback", "played_ratio"]
-
-_WANTED_RATIO = 0.4
 
 
 def played_ratio(settings: EvaluationSettings) -> float | None:
@@ -33,8 +32,7 @@ def played_ratio(settings: EvaluationSettings) -> float | None:
     >>> played_ratio(EvaluationSettings(packet_error_ratios=(0.0, 0.2, 0.3)))
     0.3
     """
-    lossy = (ratio for ratio in settings.packet_error_ratios if ratio > 0.0)
-    return min(lossy, key=lambda ratio: (round(abs(ratio - _WANTED_RATIO), 9), ratio), default=None)
+    return nearest_ratio([ratio for ratio in settings.packet_error_ratios if ratio > 0.0])
 
 
 def draw_playback(

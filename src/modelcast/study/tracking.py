@@ -20,7 +20,7 @@ from modelcast.station.policy.error_driven import ErrorDriven
 from modelcast.station.policy.periodic import Periodic
 from modelcast.study.case import TripCase
 from modelcast.study.histogram import Histogram
-from modelcast.study.matching import matched_threshold, threshold_near
+from modelcast.study.matching import matched_threshold
 from modelcast.study.rules import FREE_MATCHED, FREE_RECEIVER, RATE_BASES, RateBasis
 from modelcast.study.settings import EvaluationSettings
 from modelcast.trips.jumps import jumps_between
@@ -492,4 +492,4 @@ class FreeRuns:
                 walks[threshold_m] = self.ready.run(self._settings.under_loss(threshold_m, ratio))
             return walks[threshold_m].updates
 
-        return walks[threshold_near(count, messages, first.policy.threshold_m)]
+        return walks[matched_threshold(count, messages, start_m=first.policy.threshold_m)]

@@ -15,8 +15,9 @@ from modelcast.report.figures.panels import (
     policy_labels,
     reading_panels,
 )
-from modelcast.report.headline import nearest_ratio, rate_basis, role_of
+from modelcast.report.headline import rate_basis, role_of
 from modelcast.report.style import INK, POLICY_COLOURS, POLICY_LINES, style
+from modelcast.study.loss_ratios import nearest_ratio
 from modelcast.study.result import Ecdf, EvaluationResult
 
 __all__ = ["plot_distribution"]

@@ -18,10 +18,10 @@ from modelcast.report.headline import (
     Headline,
     evaluated_ratios,
     headlines,
-    nearest_ratio,
     sender_label,
 )
 from modelcast.report.style import INK, POLICY_COLOURS, POLICY_LINES, POLICY_MARKERS, style
+from modelcast.study.loss_ratios import nearest_ratio
 from modelcast.study.result import EvaluationResult
 from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.table import Row
@@ -35,7 +35,7 @@ def plot_loss(result: EvaluationResult) -> Figure:
     """Return the 90th percentile of the tracking error against the packet error ratio, a row a threshold.
 
     On the left everybody runs at that threshold, with the messages each sends; on the right everybody sends
-    as often as MBC. Bands are confidence limits over the seeds; the axis is logarithmic.
+    as often as MBC. Thin bars are confidence limits over the seeds; the axis and they are logarithmic.
 
     Parameters
     ----------
@@ -98,15 +98,16 @@ def _draw_policy(axes: Axes, role: str, rows: list[Row], label: str) -> None:
     )
     if not np.isfinite(low_m).any():
         return
-    if len(rows) > 1:
-        axes.fill_between(percent, low_m, high_m, color=colour, alpha=0.15, linewidth=0)
-    else:
-        # A band over one ratio would have no width.
-        axes.vlines(percent, low_m, high_m, color=colour, linewidth=1.0)
+    axes.vlines(percent, low_m, high_m, color=colour, linewidth=0.8, alpha=0.7)
 
 
 def _limits(rows: list[Row]) -> tuple[FloatArray, FloatArray]:
-    """Limits, those below any error drawn at a hundredth of the percentile: a logarithm has no zero."""
-    low_m = np.array([row.pte_p90_low_m for row in rows], dtype=np.float64)
+    """Return limits on the logarithm, from those on the percentile, (N,) each [m].
+
+    The reach is divided by the mean over seeds: the first order of a logarithm's spread (the delta method).
+    """
     high_m = np.array([row.pte_p90_high_m for row in rows], dtype=np.float64)
-    return np.maximum(low_m, 0.01 * np.array([row.pte_p90_m for row in rows])), high_m
+    low_m = np.array([row.pte_p90_low_m for row in rows], dtype=np.float64)
+    middle_m = 0.5 * (low_m + high_m)
+    factor = np.exp((high_m - low_m) / (2.0 * np.where(middle_m > 0.0, middle_m, np.nan)))
+    return middle_m / factor, middle_m * factor

@@ -16,6 +16,7 @@ from modelcast.study.wording import centimetres
 __all__ = ["plot_manoeuvre"]
 
 _SHOWN_THRESHOLDS = 4.0
+_MARGIN = 0.08
 _CROSS: dict[str, Any] = {"markersize": 7.0, "markeredgecolor": "white", "markeredgewidth": 0.6}
 _MODEL_LINES = ("-", "--", "-.", ":")
 
@@ -67,9 +68,23 @@ def _draw_map(axes: Axes, manoeuvre: Manoeuvre) -> None:
             _cross(axes, pair_m[0], colours[name])
     axes.plot([], [], "X", color="#777777", **_CROSS, label="Error reaches the threshold")
     axes.plot(0.0, 0.0, "o", color=INK, markerfacecolor="white", markersize=4.5, label="Start")
-    axes.set_aspect("equal", adjustable="datalim")
+    _crop(axes, np.concatenate([history_m, truth_m]))
     axes.set_xlabel("East of the start [m]")
     axes.set_ylabel("North of the start [m]")
+
+
+def _crop(axes: Axes, path_m: FloatArray) -> None:
+    """Show the path that was driven, to scale and with a margin; a prediction that leaves it is cut off.
+
+    The shorter side has at least half of the longer one, so that a straight path makes no sliver.
+    """
+    low_m, high_m = path_m.min(axis=0), path_m.max(axis=0)
+    longest_m = max(float((high_m - low_m).max()), 1.0)
+    half_m = 0.5 * np.maximum(high_m - low_m, 0.5 * longest_m) + _MARGIN * longest_m
+    middle_m = 0.5 * (low_m + high_m)
+    axes.set_xlim(float(middle_m[0] - half_m[0]), float(middle_m[0] + half_m[0]))
+    axes.set_ylim(float(middle_m[1] - half_m[1]), float(middle_m[1] + half_m[1]))
+    axes.set_aspect("equal", adjustable="box")
 
 
 def _draw_growth(axes: Axes, manoeuvre: Manoeuvre) -> None:

@@ -103,10 +103,9 @@ def _draw_strips(axes: Axes, timeline: Timeline) -> None:
         _strip(axes, at, timeline.t_s, ~holds & np.isfinite(errors_m), FAINT)
         _strip(axes, len(timeline.members), timeline.t_s, timeline.in_use == at, colours[name])
     row = len(timeline.members) + 1
-    ticks = (
-        ("Updates", timeline.update_s, POLICY_COLOURS["mbc"]),
-        ("Identifications", timeline.identification_s, IDENTIFICATION_COLOUR),
-    )
+    ticks = [("Updates", timeline.update_s, POLICY_COLOURS["mbc"])]
+    if timeline.identification_s.size:
+        ticks.append(("Identifications", timeline.identification_s, IDENTIFICATION_COLOUR))
     for below, (_, times_s, colour) in enumerate(ticks):
         axes.add_collection(
             EventCollection(times_s, lineoffset=row + below, linelength=0.8, linewidth=0.9, color=colour)

@@ -8,12 +8,10 @@ from matplotlib.figure import Figure
 
 from modelcast.report.figures.panels import drawable, empty_figure, policy_labels
 from modelcast.report.headline import (
-    HEADLINE_RATIO,
     SAME_THRESHOLD,
     detail_threshold_m,
     evaluated_ratios,
     main_bank,
-    nearest_ratio,
     role_of,
     tracking_of,
 )
@@ -26,6 +24,7 @@ from modelcast.report.style import (
     new_figure,
     style,
 )
+from modelcast.study.loss_ratios import nearest_ratio
 from modelcast.study.result import POOLED, EvaluationResult
 from modelcast.study.rules import FREE_MATCHED, FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.table import Row
@@ -55,7 +54,7 @@ def plot_trips(result: EvaluationResult) -> Figure:
         if threshold_m is None or all(row.trip == POOLED for row in result.rates):
             return empty_figure("Rows of single trips are not in this result.")
         rates = _rates(result, threshold_m)
-        ratio = nearest_ratio(evaluated_ratios(result), HEADLINE_RATIO)
+        ratio = nearest_ratio(evaluated_ratios(result))
         errors = {name: _errors(result, roles, threshold_m, ratio) for name, roles in _SHOWN.items()}
         names = sorted({name for by_trip in rates.values() for name in by_trip}, reverse=True)
         names.sort(key=lambda name: rates["baseline"].get(name, 0.0))

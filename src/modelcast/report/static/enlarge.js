@@ -12,11 +12,13 @@ const startEnlarging = () => {
   close.type = "button";
   close.textContent = "Close";
   close.addEventListener("click", () => dialog.close());
+  const hint = document.createElement("p");
+  hint.textContent = "Drag or scroll to see all of it.";
   const scroller = document.createElement("div");
   scroller.tabIndex = 0;
   scroller.setAttribute("role", "region");
   scroller.setAttribute("aria-label", "Figure, scrolls");
-  dialog.append(close, scroller);
+  dialog.append(close, hint, scroller);
   // A tap beside the figure closes too.
   dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close(); });
   dialog.addEventListener("close", () => scroller.replaceChildren());
@@ -26,15 +28,18 @@ const startEnlarging = () => {
     const button = document.createElement("button");
     button.type = "button";
     button.className = "enlarge";
-    button.setAttribute("aria-label", `Enlarge: ${title}`);
+    button.setAttribute("aria-label", `Tap to enlarge: ${title}`);
     button.style.width = image.style.width;
     image.replaceWith(button);
-    button.append(image);
+    const says = document.createElement("span");
+    says.textContent = "Tap to enlarge";
+    button.append(image, says);
     button.addEventListener("click", () => {
       const large = image.cloneNode();
       scroller.replaceChildren(large);
       dialog.setAttribute("aria-label", title);
       dialog.showModal();
+      hint.hidden = scroller.clientWidth >= NARROW_PX;
       const { clientWidth: wide, clientHeight: tall } = scroller;
       const fitting = Math.min(wide, tall * image.naturalWidth / image.naturalHeight);
       large.style.width = `${wide < NARROW_PX ? Math.max(fitting, MAGNIFIED * image.naturalWidth) : fitting}px`;

@@ -8,7 +8,7 @@ const startPlayback = () => {
   const part = (name) => document.getElementById(`playback-${name}`);
   const trip = readTrip(JSON.parse(part("data").textContent));
   const still = window.matchMedia("(prefers-reduced-motion: reduce)");
-  let channel = 0, waiting = false, before = null, owed = 0;
+  let channel = Number(part("channel").value), waiting = false, before = null, owed = 0;
   section.hidden = false;
 
   const state = {

@@ -1,6 +1,6 @@
 // The trip from above: the true path, the vehicle, where each receiver believes it to be, messages beside the path.
 
-const CAR_M = [4.6, 1.8], FIRST_SIGHT_M = 24, TRAIL_S = 3, FRESH_S = 0.35, LANE_PX = 7, SMALL_PX_PER_M = 1.5;
+const CAR_M = [4.6, 1.8], FIRST_SIGHT_M = 40, TRAIL_S = 3, FRESH_S = 0.35, LANE_PX = 7, LANE_M = 1, SMALL_PX_PER_M = 1.5;
 const INK = "#222222", PATH = "#9a9a9a", GRID = "#e6e6e6", SOFT = "#555555";
 
 // A round number of metres at least so many.
@@ -79,9 +79,12 @@ const makeMap = (canvas, trip, state) => {
   // A sign beside the path for every message up to now, a lane a sender; hollow where it was lost.
   const drawMessages = () => {
     const runs = state.runs();
+    // Seen from afar, where a lane of pixels would be a road of its own, the signs lie on the path.
+    const lane = Math.min(LANE_PX, LANE_M * scale);
     context.lineWidth = 1.2;
-    runs.forEach((run, sender) => {
-      const aside = (sender - (runs.length - 1) / 2) * LANE_PX + (runs.length === 1 ? LANE_PX : 0);
+    // The first sender is on top.
+    for (let sender = runs.length - 1; sender >= 0; sender--) {
+      const run = runs[sender], aside = (runs.length === 1 ? 1 : sender - (runs.length - 1) / 2) * lane;
       const filled = new Path2D(), hollow = new Path2D();
       for (let at = lastAt(run.sent, state.t + 1e-6); at >= 0; at--) {
         const { place, across } = run.marks[at];
@@ -98,7 +101,7 @@ const makeMap = (canvas, trip, state) => {
       context.strokeStyle = context.fillStyle = trip.senders[sender].colour;
       context.fill(filled);
       context.stroke(hollow);
-    });
+    }
   };
 
   const vehicle = (place, filled, outlined) => {

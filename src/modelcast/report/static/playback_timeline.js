@@ -1,7 +1,7 @@
 // The tracking errors over time (uPlot), and below them a row of messages a sender.
 
-const ROW_PX = 14, AXIS_PX = 56, SPAN_S = 30, BETWEEN_PX = 16;
-const ERRORS_M = [0, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
+const ROW_PX = 14, AXIS_PX = 72, SPAN_S = 30, BETWEEN_PX = 16;
+const ERRORS_M = [0, ...[0.01, 0.1, 1, 10, 100, 1000].flatMap((one) => [1, 2, 3, 5].map((times) => Number((times * one).toPrecision(1))))];
 const DASHES = [[], [6, 3], [2, 3]];
 
 const makeTimeline = (place, trip, state) => {
