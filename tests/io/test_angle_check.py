@@ -121,6 +121,7 @@ def _in_degrees(laps: float, *, wrapped: bool) -> tuple[np.ndarray, np.ndarray, 
         _straight(270.0),
         _straight(100.0),
         _straight(-90.0),
+        (np.arange(60) / 10, np.full(60, 180.0), np.arange(60)[:, None] * np.array([0.0, 1.0])),  # backwards
         (np.arange(60) / 10, np.where(np.arange(60) % 20 < 10, 359.0, 1.0), np.zeros((60, 2))),
     ],
 )

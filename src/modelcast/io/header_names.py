@@ -105,6 +105,8 @@ def told_meanings(names: Collection[str]) -> dict[str, str]:
     {'t': 'GPS Time', 'lat': 'Latitude [deg]', 'lon': 'LNG', 'speed_kmh': 'Speed (km/h)'}
     >>> told_meanings(["speed_kmh", "Speed [m/s]"])
     {}
+    >>> told_meanings(["Time", "GpsTime", "Latitude", "vehicleId"])
+    {'lat': 'Latitude', 'vehicle': 'vehicleId'}
     """
     found: dict[str, list[tuple[str, str]]] = {}
     for name in names:
@@ -150,17 +152,22 @@ def states_metres_a_second(name: str) -> bool:
 
 def _parts(name: str) -> tuple[str, str]:
     """Return a name's quantity and its unit, each empty where it is not known."""
-    words = name.strip().lower()
-    bracket = re.fullmatch(r"(.+?)\s*[\[({]\s*(.*?)\s*[\])}]", words)
+    bracket = re.fullmatch(r"(.+?)\s*[\[({]\s*(.*?)\s*[\])}]", name.strip())
     if bracket is not None:
-        unit = _UNIT_OF.get(bracket[2].replace(" ", ""))
-        return ("", "") if unit is None else (_quantity(bracket[1]), unit)
+        unit = _UNIT_OF.get(bracket[2].replace(" ", "").lower())
+        return ("", "") if unit is None else (_quantity(_spaced(bracket[1])), unit)
+    words = _spaced(name.strip())
     whole = _quantity(words)
     if whole:
         return whole, ""
     behind = re.fullmatch(r"(.+)[\s_]+([^\s_]+)", words)
     unit = None if behind is None else _UNIT_OF.get(behind[2])
     return ("", "") if behind is None or unit is None else (_quantity(behind[1]), unit)
+
+
+def _spaced(name: str) -> str:
+    """A name in lower case, its words apart where capitals tell them: ``GpsTime`` is ``gps_time``."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
 def _quantity(words: str) -> str:
