@@ -1,9 +1,12 @@
 """Tables as others write them: names and units in the header, clocks, and units that no name states."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.io.csv import CsvReader
 from modelcast.io.header_names import told_meanings
 from modelcast.io.recordings import Recordings
 from modelcast.io.trips import read_trips
@@ -161,3 +164,31 @@ def test_an_optional_column_without_any_value_is_as_if_it_were_not_there(made):
     trip = one(made, rows.replace("speed", "speed,heading_deg", 1))
     assert trip.heading_rad is None
     assert dict(trip.reading.repaired) == {}
+
+
+def test_a_header_with_fewer_names_than_its_rows_have_fields_is_not_read_by_guess() -> None:
+    """Which field has which name is not known then."""
+    header, row = b"Time,Latitude,Longitude\n", b"0.0,48.1,11.2"
+    assert CsvReader().matches(Path("a.csv"), header + row + b"\n")
+    assert not CsvReader().matches(Path("a.csv"), header + row + b",1,,\n")
+
+
+def test_of_a_folder_a_table_that_only_looks_like_one_is_passed_over_and_told(tmp_path: Path) -> None:
+    """Times in hundredths of a second, no speed; named by itself it is refused."""
+    rows = "".join(f"{20 * n},{n},0\n" for n in range(30))
+    (tmp_path / "log.csv").write_text(f"Time,x,y\n{rows}")
+    good = "".join(f"{0.1 * n:.1f},{n},0\n" for n in range(30))
+    (tmp_path / "trip.csv").write_text(f"t,x,y\n{good}")
+    trips = read_trips(tmp_path)
+    assert len(list(trips)) == 1
+    assert list(trips.skipped) == [str(tmp_path / "log.csv")]
+    assert "too much for seconds. Map the time by its unit" in trips.skipped[str(tmp_path / "log.csv")]
+    with pytest.raises(DataFormatError, match="too much for seconds"):
+        list(read_trips(tmp_path / "log.csv"))
+
+
+def test_speeds_of_zero_tell_no_unit_of_time(tmp_path: Path) -> None:
+    rows = "".join(f"{20 * n},{n},0,0\n" for n in range(30))
+    (tmp_path / "log.csv").write_text(f"Time,x,y,speed\n{rows}")
+    with pytest.raises(DataFormatError, match="too much for seconds"):
+        list(read_trips(tmp_path / "log.csv"))

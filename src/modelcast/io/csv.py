@@ -28,7 +28,14 @@ from modelcast.io.rows import Rows
 from modelcast.io.table_layout import TableLayout, decimal_mark, is_number, table_layout
 from modelcast.io.table_trips import AbstractTable, TablePart, table_trips
 from modelcast.io.text_blocks import number_column, read_blocks, text_column
-from modelcast.io.text_head import complete_lines, file_head, first_lines, is_utf8, rows_expected
+from modelcast.io.text_head import (
+    complete_lines,
+    file_head,
+    first_lines,
+    is_utf8,
+    rows_expected,
+    split_fields,
+)
 from modelcast.io.time_column import TimeColumn, TimeUnit
 from modelcast.trips.trajectory import Trajectory
 
@@ -55,10 +62,14 @@ class CsvReader(AbstractTripReader):
     streams: ClassVar[bool] = True
 
     def matches(self, path: Path, head: bytes) -> bool:
-        """Return whether the header row has default names of time and position."""
+        """Return whether the header row names time and position, and names every field of the rows below."""
         del path
-        layout = table_layout(first_lines(head), _has_known_names)
-        return layout is not None and _has_known_names(list(layout.names))
+        lines = first_lines(head)
+        layout = table_layout(lines, _has_known_names)
+        if layout is None or not _has_known_names(list(layout.names)):
+            return False
+        below = [split_fields(line, layout.separator) for line in lines[layout.lines :][:3] if line.strip()]
+        return not below or min(map(len, below)) <= len(layout.names)
 
     def with_columns(self, columns: Mapping[str, str]) -> "CsvReader":
         """Return the reader with the user's column names."""

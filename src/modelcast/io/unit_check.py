@@ -63,12 +63,14 @@ def refuse_long_steps(path: str, rows: Rows, time: str) -> None:
     path
         The file.
     rows
-        One vehicle's rows with ``t_s``; with ``speed_mps``, `refuse_other_unit` tells more.
+        One vehicle's rows with ``t_s``; with a ``speed_mps`` that is not all zero, `refuse_other_unit` tells
+        more.
     time
         Name of the time column.
     """
     steps_s = np.diff(rows.columns["t_s"])
-    if "speed_mps" in rows.columns or not steps_s.size or not np.median(steps_s) >= _LONGEST_STEP_S:
+    told = "speed_mps" in rows.columns and bool(np.nan_to_num(rows.columns["speed_mps"]).any())
+    if told or not steps_s.size or not np.median(steps_s) >= _LONGEST_STEP_S:
         return
     raise DataFormatError(
         path,
