@@ -49,6 +49,7 @@ def test_a_mutated_profile_is_refused_by_name_or_is_one(
     check_profile(path, runs=False)
 
 
+@pytest.mark.filterwarnings("ignore:--threshold")  # a mutated one may look like centimetres
 @settings(derandomize=True, max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(seed=st.integers(0, 2**32))
 def test_a_mutated_run_file_is_refused_by_name_or_is_one(

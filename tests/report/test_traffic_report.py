@@ -108,7 +108,7 @@ def test_one_density_is_the_one_nearest_to_400() -> None:
 def test_traffic_of_its_own_density_is_drawn_by_range_alone(tmp_path: Path) -> None:
     own = [one.replaced(density_per_km=np.nan) for one in rows() if one.density_per_km == 400.0]
     assert "| - | dsrc | paper | 50 cm |" in traffic_markdown(own)
-    assert len(write_traffic_report(own, tmp_path)) == 2 + 2 * len(TRAFFIC_FIGURES)
+    assert len(write_traffic_report(own, tmp_path)) == 2 + 3 * len(TRAFFIC_FIGURES)
     with style():
         by_range, by_density = (TRAFFIC_FIGURES[f"traffic_{name}"][1](own) for name in ("range", "density"))
     assert by_range.axes[0].get_title(loc="left") == "dsrc, own density"
@@ -122,7 +122,7 @@ def test_all_is_written_and_repeats_to_the_byte(seeds: int, tmp_path: Path) -> N
     for folder in folders:
         folder.mkdir()
         paths = [*write_traffic_report(rows(seeds), folder), write_traffic(rows(seeds), folder)]
-        assert len(paths) == 2 + 2 * len(TRAFFIC_FIGURES) + 1
+        assert len(paths) == 2 + 3 * len(TRAFFIC_FIGURES) + 1
     for path in sorted(folders[0].iterdir()):
         assert path.read_bytes() == (folders[1] / path.name).read_bytes()
     table = pq.read_table(folders[0] / "traffic.parquet").to_pylist()
