@@ -131,7 +131,7 @@ def test_faulty_lines_are_named_and_the_others_shown(
         (["decode", "0014"], "bit 16"),
         (["decode", "ab" * 3000], "bit 1: message id"),
         (["encode", "nowhere.json"], "no file nowhere.json"),
-        (["encode", "{}"], "message_count is not known"),
+        (["encode", "{}"], "message_count, temporary_id and yaw_rate_radps must be given"),
         (["encode", "[]"], "holds no message"),
         (["encode", ""], "holds no message"),
         (["decode", ""], "neither a file nor"),
