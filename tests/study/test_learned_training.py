@@ -98,7 +98,7 @@ def test_progress_ends_complete(trips: list[Trajectory]) -> None:
 
 def test_without_jax_the_extra_is_named(trips: list[Trajectory], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "optax", None)
-    with pytest.raises(MissingExtraError, match=r"modelcast\[train\]"):
+    with pytest.raises(MissingExtraError, match="needs jax, optax and scipy: "):
         train_learned(trips[:1], CLEAN)
 
 
