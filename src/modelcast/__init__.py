@@ -5,7 +5,7 @@
 >>> settings = modelcast.EvaluationSettings(thresholds_m=(0.5,), packet_error_ratios=(0.0,), seeds=1)
 >>> result = modelcast.evaluate([drive.truth], settings)
 >>> modelcast.rates_frame(result)["policy"].to_list()
-['mbc', 'baseline', 'mbc', 'baseline']
+['mbc', 'baseline', 'free', 'mbc', 'baseline', 'free']
 
 Everything here is imported on first use, so that importing the package costs nothing.
 """

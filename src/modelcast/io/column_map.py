@@ -49,7 +49,7 @@ from modelcast.io.header_names import (
     told_meanings,
 )
 
-__all__ = ["ColumnMap", "Meaning", "detected_map", "example_map", "known_map", "user_map"]
+__all__ = ["ColumnMap", "Meaning", "detected_map", "example_map", "known_map", "names_its_own", "user_map"]
 
 _DEG = 0.017453292519943295
 _FOOT_M = 0.3048
@@ -386,6 +386,23 @@ def _not_told(filled: set[str]) -> str:
     placed = filled >= {*_LOCAL} or filled >= {*_GEODETIC}
     missing = ["time"] * ("t_s" not in filled) + ["position"] * (not placed)
     return " and ".join(missing) + (" are" if len(missing) > 1 else " is")
+
+
+def names_its_own(names: Collection[str]) -> bool:
+    """Return whether names that this module lists tell time and position, without words of others.
+
+    Parameters
+    ----------
+    names
+        The table's columns.
+
+    Examples
+    --------
+    >>> names_its_own(["t", "x", "y"]), names_its_own(["Time", "X [m]", "Y [m]"])
+    (True, False)
+    """
+    own = {entry.fills for entry in MEANINGS.values() if not {*entry.names}.isdisjoint(names)}
+    return "t_s" in own and (own >= {*_LOCAL} or own >= {*_GEODETIC})
 
 
 def _found(names: Collection[str]) -> dict[str, str]:

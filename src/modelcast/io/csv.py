@@ -20,9 +20,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
+import numpy as np
+
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
-from modelcast.io.column_map import ColumnMap, detected_map, known_map
+from modelcast.io.column_map import ColumnMap, detected_map, known_map, names_its_own
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows
 from modelcast.io.table_layout import TableLayout, decimal_mark, is_number, table_layout
@@ -37,11 +39,14 @@ from modelcast.io.text_head import (
     split_fields,
 )
 from modelcast.io.time_column import TimeColumn, TimeUnit
+from modelcast.io.unit_check import LONGEST_STEP_S
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["CsvReader"]
 
 _RECODED = "read as Windows-1252"
+_FIRST = 20
+"""Rows that are looked at to tell a table."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,14 +67,27 @@ class CsvReader(AbstractTripReader):
     streams: ClassVar[bool] = True
 
     def matches(self, path: Path, head: bytes) -> bool:
-        """Return whether the header row names time and position, and names every field of the rows below."""
+        """Return whether the header row names time and position, and names every field of the rows below.
+
+        Names in words of others say so only where their times may be seconds: logs of other things have such
+        columns too.
+        """
         del path
         lines = first_lines(head)
         layout = table_layout(lines, _has_known_names)
-        if layout is None or not _has_known_names(list(layout.names)):
+        found = None if layout is None else detected_map(layout.names)
+        if layout is None or found is None:
             return False
-        below = [split_fields(line, layout.separator) for line in lines[layout.lines :][:3] if line.strip()]
-        return not below or min(map(len, below)) <= len(layout.names)
+        below = [
+            split_fields(line, layout.separator) for line in lines[layout.lines :][:_FIRST] if line.strip()
+        ]
+        if below and min(map(len, below)) > len(layout.names):
+            return False
+        return (
+            names_its_own(layout.names)
+            or found.time_stated
+            or not _are_far_apart(below, layout.names.index(found.numbers["t_s"][0]))
+        )
 
     def with_columns(self, columns: Mapping[str, str]) -> "CsvReader":
         """Return the reader with the user's column names."""
@@ -144,6 +162,15 @@ class _TextTable(AbstractTable):
             columns["t_s"] = self._times.read(time, block.line)
             labels = None if label is None else text_column(block, self._field[label]).alias(label)
             yield TablePart(block.index, Rows(block.line, columns), labels, block.partial > 0)
+
+
+def _are_far_apart(rows: list[list[str]], field: int) -> bool:
+    """Whether the times of some rows grow by more than seconds do; of what is no number nothing is said."""
+    texts = [row[field] for row in rows if field < len(row)]
+    if len(texts) < 2 or not all(map(is_number, texts)):
+        return False
+    steps = np.diff([float(text.replace(",", ".")) for text in texts])
+    return bool(np.median(steps) >= LONGEST_STEP_S)
 
 
 def _has_known_names(names: list[str]) -> bool:

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast, overload
 
-from modelcast.core.exceptions import ConfigError, DataFormatError
+from modelcast.core.exceptions import ConfigError
 from modelcast.io.base import OnSkipped, ignore_skipped
 from modelcast.io.free_names import FreeNames, free_name
 from modelcast.io.recordings import Recording, Recordings
@@ -198,21 +198,6 @@ class Trips(Sequence[Trajectory]):
             if source is not None:
                 yield replace(source, on_skipped=on_skipped)
 
-    def _trips_of(
-        self, recording: "Recording | FrameRecording", on_skipped: OnSkipped
-    ) -> Iterator[Trajectory]:
-        """Yield its trips; pass over a table of a folder that only its columns' names made a recording.
-
-        A table that the user named, or mapped, raises where it is none.
-        """
-        try:
-            yield from recording.trips()
-        except DataFormatError as error:
-            guessed = isinstance(recording, Recording) and recording.reader.name in {"csv", "parquet"}
-            if not guessed or self._columns or self._format or error.path in self._sources:
-                raise
-            on_skipped(error.path, f"{error.problem}. {error.remedy}".rstrip(". "))
-
     def _read(self) -> Iterator[Trajectory]:
         """Yield every trip, and note at the end where they are."""
         skips = 0
@@ -232,7 +217,7 @@ class Trips(Sequence[Trajectory]):
         left_bytes = MOST_HELD_BYTES
         for recording in self._recordings(note):
             again = replace(recording, on_skipped=ignore_skipped)
-            for place, read in enumerate(self._trips_of(recording, note)):
+            for place, read in enumerate(recording.trips()):
                 trip = _named(read, names.take(read.trip_id))
                 entries.append(_Entry(again, place, trip.trip_id))
                 left_bytes -= sum(column.nbytes for column in trip.columns().values())

@@ -16,7 +16,7 @@ __all__ = ["refuse_long_steps", "refuse_other_speed", "refuse_other_unit", "spee
 _LARGEST_RATIO = 300.0
 """No error of a receiver or a vehicle is that large over a trip; the next unit is 1000 times off."""
 _MOVING_MPS = 1.0
-_LONGEST_STEP_S = 10.0
+LONGEST_STEP_S = 10.0
 """No motion of a vehicle can be told from fixes that are further apart; milliseconds of 10 ms to 10 s are."""
 _SPEEDS = {
     "speed_kmh": 3.6,
@@ -70,7 +70,7 @@ def refuse_long_steps(path: str, rows: Rows, time: str) -> None:
     """
     steps_s = np.diff(rows.columns["t_s"])
     told = "speed_mps" in rows.columns and bool(np.nan_to_num(rows.columns["speed_mps"]).any())
-    if told or not steps_s.size or not np.median(steps_s) >= _LONGEST_STEP_S:
+    if told or not steps_s.size or not np.median(steps_s) >= LONGEST_STEP_S:
         return
     raise DataFormatError(
         path,

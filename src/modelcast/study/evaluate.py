@@ -69,7 +69,7 @@ def evaluate(
     >>> settings = EvaluationSettings((0.5,), (0.0,), seeds=1)
     >>> result = evaluate([drive.truth], settings)
     >>> [(row.policy, row.threshold_m) for row in result.rates if row.trip == "all"]
-    [('mbc', 0.5), ('baseline', 0.5)]
+    [('mbc', 0.5), ('baseline', 0.5), ('free', 0.5)]
     """
     settings = EvaluationSettings() if settings is None else settings
     held = HeldRecords()
