@@ -35,4 +35,5 @@ def test_its_runs_are_taken_up_again_by_the_same_version_alone(python_with, tmp_
 
 def test_without_the_package_the_radio_is_unknown(python_with):
     ended = python_with((), *NETWORK, "--radio", "disc", fails=True)
-    assert "--radio: Unknown radio 'disc' (is dsrc meant?). Known: dsrc, sidelink, nr, abstract, ideal." in ended.stderr
+    told = "--radio: Unknown radio 'disc' (is dsrc meant?). Known: dsrc, sidelink, nr, abstract, ideal."
+    assert told in ended.stderr
