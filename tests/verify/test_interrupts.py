@@ -17,7 +17,7 @@ from modelcast.io.write_trips import write_csv
 from modelcast.world.drive import generate_drive
 
 pytestmark = [
-    pytest.mark.slow,
+    pytest.mark.interrupts,
     pytest.mark.skipif(sys.platform != "linux", reason="terminals and process groups as Linux has them"),
 ]
 
