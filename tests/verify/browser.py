@@ -28,7 +28,7 @@ ARGUMENTS = [
 ]
 """Of Chromium, without a screen and without a word to anybody."""
 
-PATIENCE_MS = 30_000
+PATIENCE_MS = 120_000
 """After which a page that does not show what it should has failed."""
 
 _MORE_TABS = 30

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.slow
 
-LONGEST_S = 60
+LONGEST_S = 180
 """Until the host has heard a remote."""
 
 
