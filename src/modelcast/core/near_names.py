@@ -13,21 +13,23 @@ _AS_GOOD = 0.1
 """Names that are less like it than the nearest by this are not meant."""
 
 
-def listed(names: Iterable[str]) -> str:
+def listed(names: Iterable[str], word: str = "or") -> str:
     """Names in a sentence.
 
     Parameters
     ----------
     names
         At least one.
+    word
+        Before the last.
 
     Examples
     --------
-    >>> listed(["one", "two", "three"])
-    'one, two or three'
+    >>> listed(["one", "two", "three"]), listed(["one", "two"], "and")
+    ('one, two or three', 'one and two')
     """
     *first, last = names
-    return f"{', '.join(first)} or {last}" if first else last
+    return f"{', '.join(first)} {word} {last}" if first else last
 
 
 def near(name: str, known: Iterable[str]) -> str:

@@ -10,6 +10,7 @@ from dataclasses import KW_ONLY, dataclass
 from math import degrees, isfinite
 from typing import Any, cast
 
+from modelcast.core.near_names import listed
 from modelcast.report.headline import (
     EQUAL_RATE_POLICIES,
     Headline,
@@ -356,8 +357,7 @@ def _sensor(sensor: Mapping[str, Any]) -> str:
     errors = [form.format(unit * sensor[name]) for name, form, unit in sizes if sensor.get(name)]
     if not errors:
         return "sensors without errors"
-    listed = errors[0] if len(errors) == 1 else f"{', '.join(errors[:-1])} and {errors[-1]}"
-    return f"sensors with standard errors of {listed}"
+    return f"sensors with standard errors of {listed(errors, 'and')}"
 
 
 def _cells(lines: Iterable[Headline], ratios: Iterable[float], others: Sequence[str]) -> list[_Cell]:
