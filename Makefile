@@ -31,7 +31,7 @@ test-only: setup-dev
 verify: setup-dev
 	$(BIN)/python -m pytest -n auto --dist worksteal -m slow tests
 
-# Ctrl-C at every sign of life of every command: half an hour on two cores, and a command that is quicker than the key
+# Ctrl-C at every sign of life of every command: long, and a command that is quicker than the key
 # fails its case, so an idle machine is needed.
 interrupts: setup-dev
 	$(BIN)/python -m pytest -n auto --dist worksteal -m interrupts tests
