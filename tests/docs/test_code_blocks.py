@@ -40,7 +40,7 @@ BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 LANGUAGES = {"python", "console", "sh", "json", "toml", "text"}
 DATA_SUFFIXES = (".csv", ".json", ".nmea")
 # What a program names because it is not there: it shows the error.
-ABSENT = frozenset({"gone.csv"})
+ABSENT = frozenset({"not-there.csv"})
 
 
 def of(language: str) -> list[Any]:
