@@ -185,7 +185,8 @@ def trips_in(folder: Path) -> int:
 
 def _trip_row(trip: TripRow, sharpest_mps2: float | None) -> Row:
     details = {
-        name: plain_value(getattr(trip, name)) for name in ("skipped", "repaired", "conditioning", "warnings")
+        name: plain_value(getattr(trip, name))
+        for name in ("skipped", "repaired", "conditioning", "warnings", "understood")
     }
     return TRIP_ROWS.row(**trip_values(trip), sharpest_mps2=sharpest_mps2, details=document_text(details))
 

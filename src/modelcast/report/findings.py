@@ -46,6 +46,8 @@ _ORIGINS = {
 """Where trips come from that nobody recorded, by format."""
 
 _TABLES = ("csv", "parquet")
+_LONGEST_UNUSED = 160
+"""Letters of what was not used that the first paragraphs show."""
 """Formats that do not say where a trip comes from."""
 
 
@@ -310,7 +312,27 @@ def _data(result: EvaluationResult) -> str:
     long = f"{hours:.1f} h" if hours >= 1.0 else f"{60.0 * hours:.1f} min"
     alone = " One trip says nothing of others." if len(trips) == 1 else ""
     protocols = "; ".join(_protocol(result, name) for name in sorted({trip.protocol for trip in trips}))
-    return f"{_count(len(trips), 'trip')}, {long}, {_origin(trips)}; {protocols}.{alone}"
+    return f"{_count(len(trips), 'trip')}, {long}, {_origin(trips)}; {protocols}.{_understood(trips)}{alone}"
+
+
+def _understood(trips: Sequence[TripRow]) -> str:
+    """Say which columns were taken for what; of several ways, that the list of trips has them."""
+    ways = list(
+        {tuple(trip.understood.items()): trip.understood for trip in trips if trip.understood}.values()
+    )
+    if not ways:
+        return ""
+    if len(ways) > 1:
+        return f" Their files were understood in {len(ways)} ways, which stand above the list of trips."
+    said = dict(ways[0])
+    columns, assumed, unused = (said.get(name, "") for name in ("columns", "assumed", "not used"))
+    text = f" Columns taken: {columns}" + (f"; only assumed: {assumed}" if assumed else "")
+    return f"{text}{f'; not used: {_short(unused)}' if unused else ''}."
+
+
+def _short(text: str) -> str:
+    """Text that is long cut at a word."""
+    return text if len(text) <= _LONGEST_UNUSED else f"{text[:_LONGEST_UNUSED].rpartition(',')[0]}, ..."
 
 
 def _origin(trips: Sequence[TripRow]) -> str:

@@ -191,6 +191,7 @@ def _illustrated(
 def _trip_row(case: TripCase, settings: EvaluationSettings) -> TripRow:
     recorded = case.recorded
     idle = short_at(settings.bank, recorded.dt_s)
+    understood = recorded.reading.understood
     return TripRow(
         recorded.trip_id,
         recorded.source,
@@ -211,4 +212,5 @@ def _trip_row(case: TripCase, settings: EvaluationSettings) -> TripRow:
         in_training=bool(known_trips([recorded], settings.all_training_trips)),
         conditioning=None if case.conditioning is None else asdict(case.conditioning),
         warnings={**case.warnings, **({"bank": idle} if idle else {})},
+        understood={} if understood is None else understood.lines(),
     )
