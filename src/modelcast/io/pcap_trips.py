@@ -28,6 +28,7 @@ import numpy as np
 
 from modelcast.core.geodesy import Origin
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.bsm_values import CORE_COLUMNS
 from modelcast.io.captured import Captured, CapturedMessage
 from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered
 from modelcast.io.packed import recording_stem
@@ -40,15 +41,6 @@ from modelcast.trips.trajectory import Trajectory
 __all__ = ["PcapReader"]
 
 _BLOCK_MESSAGES = 20_000
-_COLUMNS = {
-    "latitude_deg": "latitude_deg",
-    "longitude_deg": "longitude_deg",
-    "altitude_m": "elevation_m",
-    "speed_mps": "speed_mps",
-    "heading_rad": "heading_rad",
-    "acceleration_mps2": "acceleration_forward_mps2",
-    "yaw_rate_radps": "yaw_rate_radps",
-}
 
 
 class PcapReader(AbstractTripReader):
@@ -97,7 +89,7 @@ class _CapturedRows(AbstractKeyedRows[int]):
     @property
     def columns(self) -> int:
         """Time and what a trip takes."""
-        return 1 + len(_COLUMNS)
+        return 1 + len(CORE_COLUMNS)
 
     def called(self, key: int) -> str:
         """``<stem>/<id>``."""
@@ -119,7 +111,7 @@ class _CapturedRows(AbstractKeyedRows[int]):
 
 def _rows(messages: Sequence[CapturedMessage]) -> Rows:
     values = [message.core.values() for message in messages]
-    columns = {name: np.array([_number(one[of]) for one in values]) for name, of in _COLUMNS.items()}
+    columns = {name: np.array([_number(one[of]) for one in values]) for name, of in CORE_COLUMNS.items()}
     t_s = np.array([_number(message.t_s) for message in messages])
     return Rows(np.array([message.number for message in messages], dtype=np.int64), {"t_s": t_s, **columns})
 

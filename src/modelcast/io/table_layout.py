@@ -66,7 +66,7 @@ def table_layout(lines: Sequence[str], means: Callable[[list[str]], bool]) -> Ta
     Examples
     --------
     >>> table_layout(["# made up", "t;x;y", "0;1,5;2,5"], lambda names: "t" in names)
-    TableLayout(names=('t', 'x', 'y'), lines=2, separator=';')
+    TableLayout(names=('t', 'x', 'y'), lines=2, separator=';', plain=())
     """
     found = _header(lines, means)
     return None if found is None else _with_units(_with_blank_end(found, lines), lines)
