@@ -174,7 +174,7 @@ def test_doctor_finds_this_installation_well(
 ) -> None:
     monkeypatch.delenv("MODELCAST_DATA", raising=False)
     monkeypatch.delenv("MODELCAST_REFERENCE", raising=False)
-    # Whoever works on a checkout may have raised its version since it was installed: that is for the next test.
+    # A checkout may have a newer version than what was installed of it: that is for the next test.
     monkeypatch.setattr(diagnosis, "checkout", lambda: None)
     assert run(["doctor", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

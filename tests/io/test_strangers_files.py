@@ -335,3 +335,20 @@ def test_any_rate_is_read(made, rate_hz: int) -> None:
 def test_a_vehicle_that_stands_is_read(made) -> None:
     (trip,) = read_trips(made.write("t.csv", table(places(lat=0 * T + 48.1, lon=0 * T + 11.5, speed=0 * T))))
     assert np.ptp(trip.position_m) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "subject", "said"),
+    [
+        ("openacc", "position", "E and N in metres; Lat and Lon in degrees, told by their size or motion"),
+        ("sumo-fcd", "position", "x and y are metres, told by how vehicles move; front bumpers"),
+        ("cv-pilot", "values", "in the standard's units, told by how they are written"),
+        ("ode-bsm", "values", "told by how they are written"),
+    ],
+)
+def test_other_readers_that_have_to_find_something_out_say_it(
+    made, name: str, subject: str, said: str
+) -> None:
+    taken = next(iter(read_trips(made.valid(name), name))).reading.understood
+    assert taken is not None
+    assert said in taken.lines()[subject]

@@ -48,6 +48,7 @@ from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, make_trip
 from modelcast.io.text_head import first_lines
 from modelcast.trips.trajectory import Trajectory
+from modelcast.trips.understood import Understood
 
 __all__ = ["HEAD_TIMES", "FcdReader"]
 
@@ -119,6 +120,12 @@ class _FcdTrips(AbstractKeyedRows[_Key]):
     def __init__(self, found: FcdSurvey) -> None:
         self.found, self.path, self.others = found, found.path, Tally()
         self.stem = recording_stem(found.path)
+        degrees = (
+            "x and y are longitude and latitude, told by how vehicles move; headings turned to true north"
+        )
+        place = "front bumpers, moved back by half a length" if found.front_bumper else "middles"
+        told = "x and y are metres, told by how vehicles move" if found.origin is None else degrees
+        self.understood = Understood(notes={"position": f"{told}; {place}"})
 
     @property
     def columns(self) -> int:
@@ -169,6 +176,7 @@ def _block(index: int, batch: Sequence[FcdRow], *, rows: bool) -> KeyedBlock[_Ke
 def _trip(file: _FcdTrips, found: Gathered[_Key], on_skipped: OnSkipped) -> Trajectory | None:
     """Return one vehicle's trip, its middle in metres."""
     tally = Tally()
+    tally.understand(file.understood)
     trip_id = file.called(found.key)
     trip = make_trip(
         file.path, trip_id, _placed(file.found, found.rows, found.key[1], tally), tally,
