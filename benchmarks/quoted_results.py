@@ -41,6 +41,7 @@ QUOTED: Mapping[str, Mapping[str, Sequence[str]]] = {
     "docs/node.md": {"tick": ("node_tick",), "latency": ("node_latency",)},
     "docs/people-cost.md": {"simulated": ("people_loop",)},
     "docs/results.md": {"speed": ("gp_fit", "gp_peers", "gp_expressions", "evaluate_command")},
+    "docs/scenarios.md": {"traffic": ("traffic", "safety_traffic")},
     "docs/security.md": {"speed": ("signing",)},
     "docs/serve.md": {"cost": ("serve_step",)},
 }
