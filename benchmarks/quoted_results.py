@@ -38,8 +38,12 @@ SHORT = {
 
 QUOTED: Mapping[str, Mapping[str, Sequence[str]]] = {
     "docs/channel.md": {"speed": ("dsrc_channel",)},
+    "docs/evaluation.md": {"cost": ("evaluate_memory", "free_receiver")},
+    "docs/node-page.md": {"frames": ("page_frames",)},
     "docs/node.md": {"tick": ("node_tick",), "latency": ("node_latency",)},
     "docs/people-cost.md": {"simulated": ("people_loop",)},
+    "docs/policy.md": {"in numpy": ("numpy_policy",)},
+    "docs/receiver.md": {"checks": ("plausibility",)},
     "docs/results.md": {"speed": ("gp_fit", "gp_peers", "gp_expressions", "evaluate_command")},
     "docs/scenarios.md": {"traffic": ("traffic", "safety_traffic")},
     "docs/security.md": {"speed": ("signing",)},

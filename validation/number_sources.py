@@ -203,9 +203,9 @@ def values_of(name: str) -> list[float]:
 
 
 def _assigned(script: str, name: str) -> Any:
-    """What a script says by itself that a name is, without being run; one in C++ too."""
+    """What a script says by itself that a name is, without being run; one in C++ and the like too."""
     if not script.endswith(".py"):
-        values = re.findall(rf"\b{name} = (\d+(?:\.\d+)?)", (ROOT / script).read_text(encoding="utf-8"))
+        values = re.findall(rf"\b{name}\s?=\s?(\d+(?:\.\d+)?)", (ROOT / script).read_text(encoding="utf-8"))
         return [float(value) for value in values]
     for node in ast.parse((ROOT / script).read_text(encoding="utf-8")).body:
         match node:
@@ -239,6 +239,6 @@ def _part(value: Any, part: str) -> Any:
         for one in dataclasses.fields(value):
             if one.name == part and one.default is not dataclasses.MISSING:
                 return one.default
-    if inspect.isfunction(value):
+    if callable(value) and not isinstance(value, type):
         return inspect.signature(value).parameters[part].default
     return getattr(value, part)

@@ -49,13 +49,13 @@ def table(found: dict[float, pl.DataFrame]) -> Iterator[str]:
     )
     yield "|---|---|---|---|---|"
     for legacy_m, pairings in found.items():
-        means = pairings.group_by("sender", "reading").mean()
+        means = pairings.group_by("sender", "reading").agg(pl.col("message_rate_hz", *ERRORS).mean())
         for sender in ("baseline", "free", "mbc") if not legacy_m else ("free", "mbc"):
             of = {row["reading"]: row for row in means.filter(pl.col("sender") == sender).to_dicts()}
             errors = (" / ".join(f"{of[reading][name]:.2f}" for name in ERRORS) for reading in READINGS)
             minds = f", legacy threshold {legacy_m:g} m" if legacy_m else ""
             rate_hz = of["legacy"]["message_rate_hz"]
-            yield f"| {sender}{minds} | {rate_hz:.2f} | {' | '.join(errors)} |"
+            yield f"| {sender}{minds} | {rate_hz:.3f} | {' | '.join(errors)} |"
 
 
 def main() -> int:
