@@ -38,6 +38,7 @@ SHORT = {
 
 QUOTED: Mapping[str, Mapping[str, Sequence[str]]] = {
     "docs/channel.md": {"speed": ("dsrc_channel",)},
+    "docs/congestion.md": {"costs": ("congestion",)},
     "docs/evaluation.md": {"cost": ("evaluate_memory", "free_receiver")},
     "docs/messages.md": {"speed": ("bsm_codec", "psm_codec", "mbc_codec")},
     "docs/models.md": {"numpy": ("numpy_sub_model",)},

@@ -7,7 +7,8 @@ every number in them comes from:
     a block that a registered command makes, on any page; ``row`` are words of the line meant, else it is any
 ``code = "modelcast.channel.base.NAME"``
     a value of the code: a constant, the default of a field or of a parameter, or behind ``()`` of what a
-    function returns; of a script, ``"tools/drawings.py THRESHOLD_M"``; several in a list
+    function returns; of a script, ``"tools/drawings.py THRESHOLD_M"``, or words of a file that have the
+    numbers, ``"src/modelcast/world/drive.py rng.uniform(13.0, 18.0)"``; several in a list
 ``sum = "1 - 0.88"``
     arithmetic, one or several in a list: of numbers of that block or of the page, of ``a``, ``b``, ... for
     the values in ``code``, and of 1, 2, 100 and 1000, with ``sqrt`` and the like
@@ -204,6 +205,10 @@ def values_of(name: str) -> list[float]:
 
 def _assigned(script: str, name: str) -> Any:
     """What a script says by itself that a name is, without being run; one in C++ and the like too."""
+    if not name.isidentifier():
+        if name not in (ROOT / script).read_text(encoding="utf-8"):
+            raise ValueError(f"{script} has no {name}")
+        return [_value(found) for found in re.findall(r"\d+(?:\.\d+)?", name)]
     if not script.endswith(".py"):
         values = re.findall(rf"\b{name}\s?=\s?(\d+(?:\.\d+)?)", (ROOT / script).read_text(encoding="utf-8"))
         return [float(value) for value in values]
