@@ -7,7 +7,8 @@ every number in them comes from:
     a block that a registered command makes, on any page; ``row`` are words of the line meant, else it is any
 ``code = "modelcast.channel.base.NAME"``
     a value of the code: a constant, the default of a field or of a parameter, or behind ``()`` of what a
-    function returns; of a script, ``"tools/drawings.py THRESHOLD_M"``; several in a list
+    function returns; of a script, ``"tools/drawings.py THRESHOLD_M"``, or words of a file that have the
+    numbers, ``"src/modelcast/world/drive.py rng.uniform(13.0, 18.0)"``; several in a list
 ``sum = "1 - 0.88"``
     arithmetic, one or several in a list: of numbers of that block or of the page, of ``a``, ``b``, ... for
     the values in ``code``, and of 1, 2, 100 and 1000, with ``sqrt`` and the like
@@ -27,7 +28,7 @@ import inspect
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
 from operator import add, mul, sub, truediv
@@ -42,13 +43,13 @@ __all__ = ["Source", "faults_of", "sources"]
 ROOT = Path(__file__).resolve().parents[1]
 LISTED = Path(__file__).with_suffix(".toml")
 _STATED = re.compile(
-    r"(?<![\w.,/_-])(\d{1,3}(?:,\d{3})+|\d+(?:\.\d+)?|\.\d+)(?![\w])(?!\.\d)"
+    r"(?<![\w.,/_-])(\d{1,3}(?:,\d{3})+|\d+(?:\.\d+)?|\.\d+)(?![\w°])(?!\.\d)"
     r"(?:(?=(?: to \d+(?:\.\d+)?)?[ \u00a0]([%\w/]+)))?"
 )
 _KMH_MPS = 1.0 / 3.6
 _BARE = {1.0, 2.0, 100.0, 1000.0}
 """Numbers that arithmetic may use without a source."""
-_FUNCTIONS = {"exp", "sqrt", "cos", "sin", "tan", "radians", "degrees"}
+_FUNCTIONS = {"ceil", "exp", "sqrt", "cos", "sin", "tan", "radians", "degrees"}
 _SIGNS = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv, ast.Pow: pow}
 
 
@@ -204,6 +205,10 @@ def values_of(name: str) -> list[float]:
 
 def _assigned(script: str, name: str) -> Any:
     """What a script says by itself that a name is, without being run; one in C++ and the like too."""
+    if not name.isidentifier():
+        if name not in (ROOT / script).read_text(encoding="utf-8"):
+            raise ValueError(f"{script} has no {name}")
+        return [_value(found) for found in re.findall(r"\d+(?:\.\d+)?", name)]
     if not script.endswith(".py"):
         values = re.findall(rf"\b{name}\s?=\s?(\d+(?:\.\d+)?)", (ROOT / script).read_text(encoding="utf-8"))
         return [float(value) for value in values]
@@ -221,12 +226,23 @@ def _assigned(script: str, name: str) -> Any:
 
 
 def _numbers_in(value: Any, name: str) -> list[float]:
-    many = isinstance(value, (tuple, list, set, frozenset, Mapping))
-    found = (value.values() if isinstance(value, Mapping) else value) if many else (value,)
-    numbers = [float(one) for one in found if isinstance(one, (int, float))]
+    numbers = list(_flat(value))
     if not numbers:
         raise ValueError(f"{name} is no number but {value!r}")
     return numbers
+
+
+def _flat(value: Any) -> Iterator[float]:
+    """The numbers of a value, and of whatever it holds."""
+    if isinstance(value, (int, float)):
+        yield float(value)
+    elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+        yield from _flat([getattr(value, one.name) for one in dataclasses.fields(value)])
+    elif isinstance(value, Mapping):
+        yield from _flat(tuple(value.values()))
+    elif isinstance(value, (tuple, list, set, frozenset)):
+        for one in value:
+            yield from _flat(one)
 
 
 def _part(value: Any, part: str) -> Any:
