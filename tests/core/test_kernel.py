@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 import textwrap
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -434,6 +435,77 @@ def test_processes_that_meet_a_cold_cache_at_once_agree(tmp_path: Path, times: i
                 file.unlink()
         assert start_together(tmp_path, 2) == ["12.0\n"] * 2
         assert run_fixture(tmp_path).stdout == "12.0\n"
+
+
+THREADS = """
+import threading
+import numpy as np
+from fixture_package.callee import scaled
+from fixture_package.caller import total
+
+begin, said = threading.Barrier(4), []
+
+def call(one):
+    begin.wait()
+    said.append(total(np.arange(4.0)) if one % 2 else scaled(6.0))
+
+threads = [threading.Thread(target=call, args=(one,)) for one in range(4)]
+for one in threads:
+    one.start()
+for one in threads:
+    one.join()
+print(said)
+"""
+
+
+@pytest.mark.parametrize("times", [1, pytest.param(20, marks=pytest.mark.slow)])
+def test_threads_of_processes_that_meet_a_cold_cache_at_once_agree(tmp_path: Path, times: int) -> None:
+    fixture_package(tmp_path, 2.0)
+    for _ in range(times):
+        for file in (tmp_path / "cache").rglob("*"):
+            if file.is_file():
+                file.unlink()
+        with ThreadPoolExecutor(2) as pool:
+            found = list(pool.map(lambda _: run_fixture(tmp_path, THREADS), range(2)))
+        assert [(one.stdout, one.stderr) for one in found] == [("[12.0, 12.0, 12.0, 12.0]\n", "")] * 2
+
+
+HANDED_OVER = """
+import signal
+import numpy as np
+from numba.core import codegen
+
+inner, met = codegen.JITCodeLibrary._object_compiled_hook, []
+
+def hook(module, octets):
+    if "total" in module.name and not met:
+        met.append(module)
+        {problem}
+    inner(module, octets)
+
+codegen.JITCodeLibrary._object_compiled_hook = hook
+from fixture_package.caller import total
+try:
+    print(total(np.arange(4.0)), total.is_kept)
+except KeyboardInterrupt:
+    print("interrupted")
+print(total(np.arange(4.0)), total.is_kept)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
+def test_an_interrupt_while_code_is_handed_over_is_one(tmp_path: Path) -> None:
+    """LLVM calls back with what it made: what a signal's handler raises there, Python passes over."""
+    fixture_package(tmp_path, 2.0)
+    found = run_fixture(tmp_path, HANDED_OVER.format(problem="signal.raise_signal(signal.SIGINT)"))
+    assert (found.stdout, found.stderr) == ("interrupted\n12.0 True\n", "")
+
+
+def test_code_that_was_lost_when_it_was_handed_over_runs_and_is_not_kept(tmp_path: Path) -> None:
+    fixture_package(tmp_path, 2.0)
+    found = run_fixture(tmp_path, HANDED_OVER.format(problem="raise MemoryError"))
+    assert found.stdout == "12.0 False\n12.0 False\n"
+    assert run_fixture(tmp_path, READY).stdout.splitlines() == ["False False", "True True"]
 
 
 def test_a_point_function_of_other_types_is_refused() -> None:

@@ -84,6 +84,10 @@ def run(arguments: Sequence[str]) -> int:
         code = _run(arguments)
     except KeyboardInterrupt as error:
         return _interrupted(error)
+    except Exception as error:
+        if taken() is None:
+            raise
+        return _interrupted(_made_of(error))
     return code if taken() is None else _interrupted(None)
 
 
@@ -103,8 +107,8 @@ def _run(arguments: Sequence[str]) -> int:
         return _stop_printing()
     except (ModelcastError, OSError) as error:
         # Readers name their files themselves: what is left of OSError is a place that cannot be written.
-        if taken() is not None:  # a library has made this of an interrupt
-            raise _made_of(error) from None
+        if taken() is not None:  # it is what a library has made of an interrupt
+            raise
         complain(_place_and_reason(error) if isinstance(error, OSError) else error)
         return USAGE
     return code if isinstance(code, int) else 0
