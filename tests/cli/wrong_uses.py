@@ -325,9 +325,9 @@ GROUPS: Mapping[str, tuple[WrongUse, ...]] = {
         _use("A misspelt application", "network --application fcww", "fcww", remedy="is fcw meant?"),
         _use(
             "A candidate to compare with that is none",
-            "compare good.csv --bank cv paper --against free",
-            "'free'",
-            remedy="or compare it too",
+            "compare good.csv --bank cv paper --against fre",
+            "'fre'",
+            remedy="is free meant?",
         ),
     ),
     "Profiles and runs": (

@@ -12,6 +12,7 @@ from rich.console import Console
 
 from modelcast.report.console import console_report
 from modelcast.report.html import report_document, write_report
+from modelcast.report.settings_section import settings_section
 from modelcast.report.tables import events_frame, rates_frame, samples_frame, tracking_frame, trips_frame
 from modelcast.study.result import RATES, TRACKING, EvaluationResult
 
@@ -211,23 +212,43 @@ def test_warnings_stand_before_any_figure(make_result: Make) -> None:
     assert "Warnings" not in report_document(clean, ())
 
 
-def test_settings_are_names_and_short_numbers_and_what_is_not_given_is_one_line(
+def test_settings_are_words_with_units_and_what_is_not_given_is_one_line(
     make_result: Make, page_without_figures: Any
 ) -> None:
-    model = "FreeMotion(estimates=(1, 2), label='free')"
-    settings = {"budget": 4 / 3, "sub_models": [model, "ConstantVelocity()"], "costs": None, "expiry_s": None}
-    text = page_without_figures(replace(make_result(), settings=settings)).text
-    assert "1.333" in text
-    assert "1.3333" not in text
-    assert "free (FreeMotion), ConstantVelocity()" in text
-    assert "Not given: costs, expiry_s." in text
-    assert "None" not in text.partition("Settings")[2]
+    settings = {
+        "budget": 4 / 3,
+        "sub_models": ["FreeMotion(estimates=(1, 2), label='free')", "ConstantVelocity()"],
+        "sub_model_names": ["free", "cv"],
+        "sensor": {"heading_noise_rad": 0.0034906585, "speed_noise_mps": 0.1},
+        "policy": "Above(limit_m=0.5, table=(1, 2))",
+        "costs": None,
+        "expiry_s": None,
+    }
+    text = page_without_figures(replace(make_result(), settings=settings)).text.partition("Settings")[2]
+    for said in (
+        "budget1.333",
+        "sub modelsfree, cv",
+        "sensor: heading noise0.2°",
+        "sensor: speed noise0.1 m/s",
+        "policyabove: limit 0.5 m, whole in summary.json",
+        "Not given: costs, expiry.",
+    ):
+        assert said in text
+    assert "None" not in text
+    assert "(estimates" not in text
 
 
-def test_a_long_setting_is_shortened_and_says_where_it_is_whole(
-    make_result: Make, page_without_figures: Any
-) -> None:
-    long = "Perceptron(" + ", ".join(map(str, range(1000))) + ")"
-    text = page_without_figures(replace(make_result(), settings={"sub_models": [long], "seed": 5})).text
+def test_settings_that_are_as_by_default_are_folded() -> None:
+    text = settings_section({"seed": 5, "seeds": 3, "cost": None}, {"seed": 0, "seeds": 3})
+    shown, _, folded = text.partition("<details>")
+    assert "seed</td>" in shown
+    assert "seeds</td>" not in shown
+    assert "As by default (1)" in folded
+    assert "seeds</td>" in folded
+
+
+def test_a_long_setting_is_shortened_and_says_where_it_is_whole() -> None:
+    long = ", ".join(f"file {at}" for at in range(100))
+    text = settings_section({"paths": long})
     assert f"{long[:240]}\u2026 (whole in summary.json)" in text
     assert long not in text

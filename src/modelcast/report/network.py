@@ -14,8 +14,9 @@ from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, density_text, threshold_text
 from modelcast.report.fleet_warnings import warnings_console, warnings_markdown, warnings_part
 from modelcast.report.mixed import mixed_markdown, mixed_part
-from modelcast.report.page import CSS, figure, options_table, page
+from modelcast.report.page import CSS, figure, page
 from modelcast.report.seed_means import people_cells, roadside_cells
+from modelcast.report.settings_section import settings_section
 from modelcast.report.style import style
 from modelcast.study.network.rows import NO_BANK, RUNS, NetworkResult
 from modelcast.study.table import Row
@@ -229,7 +230,7 @@ def write_network_report(
     if traffic is not None:
         lines = "".join(f"<li>{escape(line.strip())}</li>" for line in _traffic_lines(traffic))
         body.append(f"<h2>Traffic</h2><ul>{lines}</ul>")
-    body += ["<h2>Options</h2>", options_table(options)]
+    body += ["<h2>Options</h2>", settings_section(options)]
     texts = {
         "table.md": network_markdown(result, traffic, notes),
         "report.html": page("modelcast: fleets on a shared channel", CSS, body),

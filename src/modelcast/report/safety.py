@@ -14,7 +14,8 @@ from modelcast.report.figures.film import plot_film
 from modelcast.report.figures.safety import SAFETY_FIGURES
 from modelcast.report.literal import Prose, literal
 from modelcast.report.losses import loss_words, shown_ratios
-from modelcast.report.page import CSS, figure, options_table, page
+from modelcast.report.page import CSS, figure, page
+from modelcast.report.settings_section import settings_section
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
@@ -175,7 +176,7 @@ def write_safety_report(
         body += ["<h2>Left out</h2>", Cells(["what", "why"], left_out).html()]
     body += [
         "<h2>Options</h2>",
-        options_table(result.settings),
+        settings_section(result.settings),
     ]
     html = page("modelcast: warnings from messages", CSS, body)
     return write_report_files({"table.md": safety_markdown(result), "report.html": html}, drawings, folder)
