@@ -93,6 +93,18 @@ def test_evaluate_works_after_the_demo_and_compare_after_evaluate(
     assert run(["evaluate", trip, *small, "--out", "out/compare"]) == 2
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that Linux has")
+@pytest.mark.parametrize("words", ["", "--help", "trips a.csv"])
+def test_what_is_printed_where_there_is_no_room_costs_one_line(words: str, folder: Path) -> None:
+    with Path("/dev/full").open("w") as full:
+        found = subprocess.run(  # noqa: S603 - our own interpreter
+            [sys.executable, "-m", "modelcast", *words.split()],
+            cwd=folder, stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+        )  # fmt: skip
+    line = "modelcast: No space left on device. Make room there, or name another place.\n"
+    assert (found.returncode, found.stderr) == (2, line)
+
+
 @pytest.mark.parametrize("command", ["evaluate", "compare", "coverage"])
 @pytest.mark.parametrize("option", [("--format", "avi"), ("--threshold", "-1"), ("--columns", "t")])
 def test_a_wrong_option_is_told_before_any_folder_is_looked_at(
