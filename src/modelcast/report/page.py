@@ -1,14 +1,13 @@
 """An HTML page, with every string escaped."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, cast
+from collections.abc import Iterable, Sequence
 
-from modelcast.core.cells import Cells, escape
+from modelcast.core.cells import escape
 from modelcast.report.figures.files import Drawing
 from modelcast.report.scripts import content_policy, script
 from modelcast.report.svg_address import svg_address
 
-__all__ = ["CSS", "embedded_figure", "figure", "option_rows", "options_table", "page"]
+__all__ = ["CSS", "embedded_figure", "figure", "page"]
 
 CSS = """
 :root { color-scheme: light; }
@@ -36,7 +35,10 @@ figcaption { font-size: .85rem; color: #444; margin-top: .5rem; max-width: 46rem
 @media (max-width: 750px) { .enlarge span { display: block; } }
 .enlarged { width: 100vw; height: 100dvh; max-width: none; max-height: none; margin: 0; padding: .6rem;
   border: 0; box-sizing: border-box; }
-.enlarged[open] { display: flex; flex-direction: column; gap: .5rem; align-items: flex-end; }
+.enlarged[open] { display: flex; flex-direction: column; gap: .5rem; }
+.enlarged header { display: flex; gap: .5rem; align-items: center; justify-content: flex-end; }
+.enlarged strong { flex: 1; min-width: 0; overflow-wrap: anywhere; }
+.enlarged button[hidden] { display: none; }
 .enlarged p { margin: 0; font-size: .85rem; color: #444; }
 .enlarged p[hidden] { display: none; }
 .enlarged button { font: inherit; padding: .3rem 1rem; min-height: 40px; cursor: pointer; }
@@ -120,38 +122,3 @@ def embedded_figure(drawing: Drawing, place: int, title: str, caption: str) -> s
         f'src="{svg_address(drawing.svg)}">'
         f"<figcaption><b>Figure {place}. {escape(title)}.</b> {escape(caption)}</figcaption></figure>"
     )
-
-
-def options_table(options: Mapping[str, Any]) -> str:
-    """Return options with their values as markup.
-
-    Parameters
-    ----------
-    options
-        As plain values.
-    """
-    return Cells(["option", "value"], option_rows(options)).html()
-
-
-def option_rows(options: Mapping[str, Any], prefix: str = "") -> list[list[str]]:
-    """Return options as rows of name and value; what is nested gets a dotted name.
-
-    Parameters
-    ----------
-    options
-        As plain values.
-    prefix
-        Put before every name.
-
-    Examples
-    --------
-    >>> option_rows({"seed": 0, "sensor": {"name": "ins"}})
-    [['seed', '0'], ['sensor.name', 'ins']]
-    """
-    rows: list[list[str]] = []
-    for name, value in options.items():
-        if isinstance(value, Mapping):
-            rows += option_rows(cast("Mapping[str, Any]", value), f"{prefix}{name}.")
-        else:
-            rows.append([f"{prefix}{name}", str(value)])
-    return rows
