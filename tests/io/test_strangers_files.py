@@ -27,6 +27,7 @@ EAST, NORTH = (
     for part in (np.sin(HEADING_RAD), np.cos(HEADING_RAD))
 )
 LAT, LON, _ = enu_to_geodetic(np.stack([EAST, NORTH, 0.0 * T], axis=1), Origin(48.1, 11.5, 0.0)).T
+TURN_RADPS = np.where((T >= 10.0) & (T < 20.0), 0.05 * np.pi, 0.0)
 V, HEADING = np.full(COUNT, SPEED_MPS), np.degrees(HEADING_RAD)
 BEGIN = datetime(2024, 3, 15, 23, 59, 50)  # noqa: DTZ001 - what a file without a zone says
 UNIX_S = 1710547190.0
@@ -195,6 +196,13 @@ SHAPES = {
     "a heading in radians from east called radians": Shape(
         table(plane(heading_rad=0.5 * np.pi - HEADING_RAD)), "yaw_rad=heading_rad", has="heading"
     ),
+    "a yaw rate to the left called one to the right": Shape(
+        table(plane(yaw_rate_radps=-TURN_RADPS)), "yaw_rate_left_radps=yaw_rate_radps"
+    ),
+    "a yaw rate in degrees called radians": Shape(
+        table(plane(yaw_rate_radps=np.degrees(TURN_RADPS))), "yaw_rate_degps=yaw_rate_radps"
+    ),
+    "a yaw rate as it is stated": Shape(table(plane(yaw_rate_degps=np.degrees(TURN_RADPS)))),
     "a heading without a unit": Shape(
         table(plane(heading=HEADING)), said={"not used": "heading (perhaps: --columns 'heading_deg=heading')"}
     ),
@@ -285,6 +293,8 @@ def right(trip: Trajectory, shape: Shape) -> None:
     )  # fmt: skip
     if trip.speed_mps is not None:
         assert trip.speed_mps == pytest.approx(SPEED_MPS, rel=1e-6)
+    if trip.yaw_rate_radps is not None:
+        assert trip.yaw_rate_radps == pytest.approx(TURN_RADPS, rel=1e-6)
     if trip.heading_rad is not None:
         off_rad = np.abs(wrap_angle_rad(trip.heading_rad - HEADING_RAD[at]))
         assert off_rad.max() < 0.02, "a value that is not known is that of a sample before"
@@ -320,6 +330,21 @@ def test_what_is_no_table_or_cannot_be_told_is_refused_with_what_to_do(made, nam
     file, content, remedy = REFUSED[name]
     with pytest.raises(DataFormatError, match=remedy):
         list(read_trips(made.write(file, content)))
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "remedy"),
+    [("acceleration_mps2", 1 / 9.80665, "acceleration_g="), ("acceleration_g", 1, "acceleration=")],
+)
+def test_an_acceleration_in_another_unit_is_refused_with_its_map(made, name, factor, remedy) -> None:
+    """Brakes with 4 m/s² and speeds up again, three times."""
+    acceleration = 4.0 * np.sign(np.sin(2.0 * np.pi * T / 10.0))
+    east = STEP_S * np.cumsum(20.0 + STEP_S * np.cumsum(acceleration))
+    path = made.write("t.csv", table({"t": T, "x": east, "y": 0.0 * T, name: factor * acceleration}))
+    with pytest.raises(DataFormatError, match=f"--columns {remedy}{name}"):
+        list(read_trips(path))
+    (trip,) = read_trips(path, columns={remedy.strip("="): name})
+    assert trip.acceleration_mps2 == pytest.approx(acceleration, rel=1e-6)
 
 
 @pytest.mark.parametrize("rate_hz", [1, 4, 25, 100])

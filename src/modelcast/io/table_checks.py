@@ -13,6 +13,7 @@ from modelcast.io.column_map import ColumnMap
 from modelcast.io.column_meanings import GEODETIC, LOCAL, MEANINGS
 from modelcast.io.header_names import stated_unit
 from modelcast.io.heading_check import heading_si, refuse_other_heading
+from modelcast.io.motion_check import refuse_other_motion
 from modelcast.io.rows import Rows
 from modelcast.io.time_column import TimeUnit
 from modelcast.io.unit_check import (
@@ -93,3 +94,6 @@ def check_units(path: str, rows: Rows, time: TimeUnit, found: ColumnMap) -> None
         refuse_other_speed(path, rows, found.speed_assumed)
     if found.geodetic and not found.degrees_stated:
         refuse_radians(path, rows, (x, y))
+    for meaning, name in found.meanings.items():
+        if MEANINGS[meaning].fills in {"yaw_rate_radps", "acceleration_mps2"} & rows.columns.keys():
+            refuse_other_motion(path, rows, meaning, name)
