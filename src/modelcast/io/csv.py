@@ -24,9 +24,9 @@ from typing import ClassVar
 import numpy as np
 
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
+from modelcast.io.base import OnSkipped, ignore_skipped
 from modelcast.io.column_map import ColumnMap, detected_map, known_map, names_its_own
-from modelcast.io.reading_limits import HELD_BYTES
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.rows import Rows
 from modelcast.io.table_layout import TableLayout, decimal_mark, is_number, table_layout
 from modelcast.io.table_notes import FIRST_ROWS
@@ -56,19 +56,16 @@ _FIRST = 20
 
 
 @dataclass(frozen=True, slots=True)
-class CsvReader(AbstractTripReader):
+class CsvReader(AbstractHoldingReader):
     """Reads comma-separated tables.
 
     Parameters
     ----------
     columns
         Column names by meaning; names are detected where it is None.
-    held_bytes
-        Octets of numbers that may be gathered at a time.
     """
 
     columns: Mapping[str, str] | None = None
-    held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "csv"
     streams: ClassVar[bool] = True
 
@@ -96,10 +93,6 @@ class CsvReader(AbstractTripReader):
     def with_columns(self, columns: Mapping[str, str]) -> "CsvReader":
         """Return the reader with the user's column names."""
         return replace(self, columns=dict(columns))
-
-    def within(self, held_bytes: int) -> "CsvReader":
-        """Return the reader with another limit."""
-        return replace(self, held_bytes=held_bytes)
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per vehicle, as `modelcast.io.gathering` gathers them."""
