@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 
 import numpy as np
+import polars as pl
 import pytest
 
 from modelcast.core.arrays import FloatArray
@@ -377,3 +378,27 @@ def test_other_readers_that_have_to_find_something_out_say_it(
     taken = next(iter(read_trips(made.valid(name), name))).reading.understood
     assert taken is not None
     assert said in taken.lines()[subject]
+
+
+@pytest.mark.parametrize("stamped", [False, True])
+def test_data_frames_and_parquet_say_it_too(made, stamped: bool) -> None:
+    """Whatever types their columns have, those that are not read among them."""
+    stamps = pl.Series("time", (1e6 * (UNIX_S + T)).round().astype(np.int64)).cast(pl.Datetime("us"))
+    frame = pl.DataFrame({
+        "time": stamps if stamped else pl.Series(T), "lat": LAT, "lon": LON, "v_ego": 3.6 * V,
+        "car_id": pl.Series(["a"] * COUNT, dtype=pl.Categorical), "list": [[1.0]] * COUNT,
+    })  # fmt: skip
+    frame.write_parquet(made.folder / "mine.parquet")
+    for source in (frame, made.folder / "mine.parquet"):
+        (trip,) = read_trips(source)
+        right(trip, Shape(""))
+        taken = trip.reading.understood
+        assert taken is not None
+        assert taken.unused_text == "v_ego, list (perhaps: --columns 'speed_kmh=v_ego')"
+
+
+def test_a_table_of_one_row_or_of_odd_columns_has_nothing_suggested(made) -> None:
+    (trip,) = read_trips(made.write("t.csv", "t,x,y,id,note,a=b\n0,0,0,7,x,z\n"), columns={"t": "t"})
+    taken = trip.reading.understood
+    assert taken is not None
+    assert (taken.unused, dict(taken.suggested)) == (("id", "note", "a=b"), {})

@@ -108,7 +108,10 @@ class ArrowTable(AbstractTable):
         """Return the first rows of the columns that are read, and of others of numbers or text."""
         read = [*self.found.meanings.values()]
         wanted = [name for name in self._plain if name in {*read, *self.found.unused[:_MOST_SHOWN]}]
-        batch = next(iter(self._batches(wanted)), None)
+        try:
+            batch = next(iter(self._batches(wanted)), None)
+        except DataFormatError:  # a column that is not read may be of any size
+            return {}
         if batch is None:
             return {}
         names = [str(name) for name in batch.schema.names]
@@ -206,7 +209,10 @@ class ArrowTable(AbstractTable):
 
 def _is_plain(kind: Any) -> bool:
     """Return whether an Arrow type is a number, a time stamp or text."""
-    return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind) or is_text(kind))
+    if pa.types.is_dictionary(kind):
+        return is_text(kind.value_type)
+    number = pa.types.is_floating(kind) or pa.types.is_integer(kind)
+    return bool(number or pa.types.is_timestamp(kind) or is_text(kind))
 
 
 def _may_name(kind: Any) -> bool:

@@ -97,7 +97,7 @@ def suggested_columns(
     unused
         The others.
     cells
-        The table's first rows, by column.
+        The table's first rows, by column; nothing is guessed where a column that is read is not among them.
 
     Examples
     --------
@@ -106,6 +106,8 @@ def suggested_columns(
     >>> suggested_columns(read, ["hdg"], cells)
     {'heading_deg': 'hdg'}
     """
+    if not cells.keys() >= set(meanings.values()):
+        return {}
     known = filled(meanings) | PLACED
     guess = _guessed([name for name in unused if name in cells], meanings, cells)
     return {meaning: name for meaning, name in guess.items() if MEANINGS[meaning].fills not in known}

@@ -155,8 +155,9 @@ def table_trips(
     for found in gathered(rows, held_bytes):
         tally = Tally()
         taken = taken or understood(
-            table.found, table.first_cells(), table.time, written=table.written, far_m=rows.far_m
-        )
+            table.found, table.first_cells() if table.found.unused else {}, table.time,
+            written=table.written, far_m=rows.far_m,
+        )  # fmt: skip
         tally.understand(taken)
         tally.skip("partial last line", int(found.partial))
         if table.recoded:
