@@ -52,8 +52,8 @@ TRIP_ROWS = TableSchema(
         ),
         text(
             "details",
-            "JSON: reasons of rows skipped and repaired, warnings and what the file was taken for in words, the "
-            "smoother's figures.",
+            "JSON: reasons of rows skipped and repaired, warnings and what the file was taken for in words, "
+            "the smoother's figures.",
         ),
     ),
 )
