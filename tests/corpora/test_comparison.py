@@ -178,6 +178,7 @@ sys.exit(app.run(sys.argv[1:]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
 def test_an_interrupt_ends_with_130_and_one_line_and_the_next_run_goes_on(
     made: Callable[[int], Corpus], tmp_path: Path

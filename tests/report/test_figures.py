@@ -301,8 +301,12 @@ def crossing(figure: Figure) -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"thresholds": (0.5,)}, {"thresholds": tuple(k / 10 for k in range(1, 8))}, {"trips": ("only/1",)}],
-    ids=["four thresholds", "one", "seven", "one trip"],
+    [
+        pytest.param({}, id="four thresholds"),
+        pytest.param({"thresholds": (0.5,)}, id="one", marks=pytest.mark.slow),
+        pytest.param({"thresholds": tuple(k / 10 for k in range(1, 8))}, id="seven", marks=pytest.mark.slow),
+        pytest.param({"trips": ("only/1",)}, id="one trip"),
+    ],
 )
 def test_no_two_texts_of_a_figure_cross(make_result: Make, options: dict[str, object]) -> None:
     result = with_references(make_result(**options), 9.0)
