@@ -21,6 +21,8 @@ from modelcast.report.training_trips import training_note
 from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
 from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.safety.result import SafetyResult, kind_of
+from modelcast.study.safety.settings import SafetySettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.table import Row
 
 __all__ = ["safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
@@ -200,7 +202,7 @@ def write_safety_report(
         body += ["<h2>Left out</h2>", Cells(["what", "why"], left_out).html()]
     body += [
         "<h2>Options</h2>",
-        settings_section(result.settings),
+        settings_section(result.settings, SafetySettings(EvaluationSettings(protocol="sensor")).as_plain()),
     ]
     html = page("modelcast: warnings from messages", CSS, body)
     return write_report_files({"table.md": safety_markdown(result), "report.html": html}, drawings, folder)
