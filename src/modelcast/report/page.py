@@ -13,7 +13,7 @@ __all__ = ["CSS", "embedded_figure", "figure", "option_rows", "options_table", "
 CSS = """
 :root { color-scheme: light; }
 body { font: 15px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif; color: #222;
-  background: #fff; max-width: 62rem; margin: 2rem auto; padding: 0 1.25rem; }
+  background: #fff; max-width: 62rem; margin: 2rem auto; padding: 0 1.25rem; overflow-wrap: break-word; }
 h1 { font-size: 1.6rem; margin: 0 0 .25rem; }
 h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid #ddd; padding-bottom: .2rem; }
 h3 { font-size: .95rem; margin: 1.4rem 0 .2rem; }
@@ -21,11 +21,13 @@ h3 { font-size: .95rem; margin: 1.4rem 0 .2rem; }
 .finding { max-width: 46rem; }
 .note { color: #555; font-size: .85rem; }
 .wide { overflow-x: auto; }
+@media screen and (min-width: 66rem) { .wide { width: fit-content; max-width: calc(50vw + 28rem); } }
 table { border-collapse: collapse; font-size: .8rem; font-variant-numeric: tabular-nums; margin: .4rem 0; }
 th, td { padding: .22rem .55rem; text-align: right; vertical-align: top; border-bottom: 1px solid #eee; }
 th { font-weight: 600; vertical-align: bottom; border-bottom: 1px solid #999; }
 th.text, td.text { text-align: left; overflow-wrap: anywhere; min-width: 4.5rem; }
 td.text:first-child { min-width: 6rem; }
+td:not(.text) { white-space: nowrap; }
 .settings td:first-child { white-space: nowrap; }
 tbody tr:nth-child(even) { background: #f7f8fa; }
 figure { margin: 1.4rem 0 2rem; }

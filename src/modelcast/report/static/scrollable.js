@@ -16,6 +16,7 @@ const watchScrollable = () => {
   };
   const watching = new ResizeObserver((entries) => entries.forEach(({ target }) => look(target)));
   document.querySelectorAll(".wide, .pst-scrollable-table-container").forEach((one) => {
+    look(one);
     watching.observe(one);
     one.addEventListener("scroll", () => more(one), { passive: true });
   });
