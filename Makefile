@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo demo-live docs screenshots test test-only verify interrupts check lint types bench bench-paired mutate fuzz figures paper validate soak setup setup-dev lock clean same
+.PHONY: demo demo-live docs screenshots test test-only verify check lint types bench bench-paired mutate fuzz figures paper validate soak setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -36,11 +36,6 @@ test-only: setup-dev
 # What is slow: a wheel installed, upgraded and run, processes that race on a cold cache.
 verify: setup-dev
 	$(BIN)/python -m pytest -n auto --dist worksteal -m slow tests
-
-# Ctrl-C at every sign of life of every command: long, and a command that is quicker than the key
-# fails its case, so an idle machine is needed.
-interrupts: setup-dev
-	$(BIN)/python -m pytest -n auto --dist worksteal -m interrupts tests
 
 check: lint types
 

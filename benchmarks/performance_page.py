@@ -1,6 +1,6 @@
-"""Put what `run_all.py` kept in ``results.json`` into docs/performance.md.
+"""Put what `run_all.py` kept in ``results.json`` into docs/performance.md, and into pages that quote it.
 
-``performance_page.py --write`` writes the page's blocks, ``--check`` returns 1 where the page has others. A
+``performance_page.py --write`` writes the pages' blocks, ``--check`` returns 1 where a page has others. A
 test compares the two.
 """
 
@@ -10,7 +10,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from quoted_results import quoted
 from registry import BENCHMARKS, PROGRAMS
+from result_cells import PEERS, Results, job, load, number, peer_row
 from run_all import RESULTS, read_results
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -25,8 +27,6 @@ LIMIT = "arithmetic_limit"
 SIZES = 3
 """Sizes that show how a cost grows, at least."""
 
-Results = Mapping[str, Mapping[str, Any]]
-
 
 def blocks(results: Results) -> dict[str, list[str]]:
     """Return the lines of every block of the page."""
@@ -39,17 +39,6 @@ def blocks(results: Results) -> dict[str, list[str]]:
         "alone": _alone(results),
         "benchmarks": _benchmarks(results),
     }
-
-
-def _number(value: float) -> str:
-    """Three digits, or all before the point."""
-    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
-
-
-def _load(result: Mapping[str, Any]) -> str:
-    """The load average before a benchmark, per core."""
-    load = result["load_average"]
-    return "unknown" if load is None else f"{load / result['machine']['cores']:.1f}"
 
 
 def _machine(results: Results) -> list[str]:
@@ -81,22 +70,15 @@ def _dates(results: Results) -> str:
 
 def _peers(results: Results, *, programs: bool) -> list[str]:
     """A row for every number with a peer, of others or our own: both costs, and the peer's over ours."""
-    lines = ["| job | modelcast | beside it | its cost | times | load |", "|---|--:|---|--:|--:|--:|"]
-    for name, result in results.items():
-        for one in result["records"]:
-            if "peer" not in one or name == LIMIT or one["peer"].startswith(PROGRAMS) is not programs:
-                continue
-            unit = one["unit"]
-            lines.append(
-                f"| `{name}`: {_job(one)} | {_number(one['value'])} {unit} | {one['peer']} | "
-                f"{_number(one['peer_value'])} {unit} | {_number(one['ratio'])} | {_load(result)} |"
-            )
-    return lines
-
-
-def _job(record: Mapping[str, Any]) -> str:
-    sizes = ", ".join(f"{size:,.10g} {counted}" for counted, size in record.get("sizes", {}).items())
-    return f"{record['what']} ({sizes})" if sizes else str(record["what"])
+    return [
+        *PEERS,
+        *(
+            peer_row(f"`{name}`: {job(one)}", one, result)
+            for name, result in results.items()
+            for one in result["records"]
+            if "peer" in one and name != LIMIT and one["peer"].startswith(PROGRAMS) is programs
+        ),
+    ]
 
 
 def _sized(records: Sequence[Mapping[str, Any]]) -> dict[tuple[str, str, str], dict[float, float]]:
@@ -114,10 +96,10 @@ def _growth(results: Results) -> list[str]:
     lines = ["| job | unit | cost by size | largest over smallest | load |", "|---|---|---|--:|--:|"]
     for name, result in results.items():
         for (what, counted, unit), costs in _sized(result["records"]).items():
-            told = ", ".join(f"{size:,.10g}: {_number(costs[size])}" for size in sorted(costs))
+            told = ", ".join(f"{size:,.10g}: {number(costs[size])}" for size in sorted(costs))
             grown = costs[max(costs)] / costs[min(costs)]
             lines.append(
-                f"| `{name}`: {what} | {unit} | {counted} {told} | {_number(grown)} | {_load(result)} |"
+                f"| `{name}`: {what} | {unit} | {counted} {told} | {number(grown)} | {load(result)} |"
             )
     return lines
 
@@ -128,7 +110,7 @@ def _alone(results: Results) -> list[str]:
     for name, result in results.items():
         grown = {what for what, _, _ in _sized(result["records"])}
         lines += [
-            f"| `{name}`: {_job(one)} | {_number(one['value'])} {one['unit']} | {_load(result)} |"
+            f"| `{name}`: {job(one)} | {number(one['value'])} {one['unit']} | {load(result)} |"
             for one in result["records"]
             if "peer" not in one and one["what"] not in grown and name != LIMIT
         ]
@@ -140,13 +122,13 @@ def _limit(results: Results) -> list[str]:
     lines = ["| job | took | the limit | it is | times the limit |", "|---|--:|---|--:|--:|"]
     records = results.get(LIMIT, {}).get("records", [])
     lines += [
-        f"| {one['what']} | {_number(one['value'])} {one['unit']} | {one['peer']} | "
-        f"{_number(one['peer_value'])} {one['unit']} | {_number(one['value'] / one['peer_value'])} |"
+        f"| {one['what']} | {number(one['value'])} {one['unit']} | {one['peer']} | "
+        f"{number(one['peer_value'])} {one['unit']} | {number(one['value'] / one['peer_value'])} |"
         for one in records
         if "peer" in one
     ]
     lines += [
-        f"| the machine: {one['what']} | {_number(one['value'])} {one['unit']} | | | |"
+        f"| the machine: {one['what']} | {number(one['value'])} {one['unit']} | | | |"
         for one in records
         if "peer" not in one
     ]
@@ -158,10 +140,10 @@ def _benchmarks(results: Results) -> list[str]:
     lines = ["| benchmark | shows | beside it | takes | last run | load |", "|---|---|---|---|---|--:|"]
     for one in BENCHMARKS:
         result = results.get(one.name)
-        ran, load = (
-            ("not kept yet", "") if result is None else (f"{result['date']}{_ended(result)}", _load(result))
+        ran, busy = (
+            ("not kept yet", "") if result is None else (f"{result['date']}{_ended(result)}", load(result))
         )
-        lines.append(f"| `{one.name}` | {one.shows} | {one.peer} | {one.takes} | {ran} | {load} |")
+        lines.append(f"| `{one.name}` | {one.shows} | {one.peer} | {one.takes} | {ran} | {busy} |")
     return lines
 
 
@@ -175,10 +157,11 @@ def main() -> int:
     """Write or compare."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("--write", action="store_true", help="put the blocks into the page")
+    what.add_argument("--write", action="store_true", help="put the blocks into the pages")
     what.add_argument("--check", action="store_true", help="compare; write nothing")
     given = parser.parse_args()
-    return put({PAGE: blocks(read_results(RESULTS))}, check=given.check)
+    results = read_results(RESULTS)
+    return put({PAGE: blocks(results), **quoted(results)}, check=given.check)
 
 
 if __name__ == "__main__":

@@ -207,8 +207,10 @@ PARTS = {
     "paired_scenarios": "what paired times",
     "payload_figure": "the figure of the payload studies",
     "peer_kernels": "kernels as scikit-learn's, for gp_expressions and for tests",
-    "performance_page": "puts results.json into docs/performance.md",
+    "performance_page": "puts results.json into docs/performance.md and the pages that quote it",
+    "quoted_results": "tables of results that other pages quote",
     "registry": "this list",
+    "result_cells": "how a result is written in a table",
     "run_all": "`make bench`",
     "windows": "windows of recorded trips, for the gp benchmarks",
 }

@@ -16,7 +16,8 @@ from modelcast.messages.security.signer import Signer, SignerState
 from modelcast.messages.security.verifier import Outcome, Verifier, VerifierState
 
 ROUNDS, MESSAGES = 9, 500
-PAYLOAD = bytes(64)
+PAYLOAD_OCTETS = 64
+PAYLOAD = bytes(PAYLOAD_OCTETS)
 SENDERS = 1000
 
 

@@ -6,8 +6,8 @@
     figures.py --check             the quick ones, compared: 1 where a page has others
     figures.py --only cruise vru   the scripts of these names, however long they take
     figures.py --list              every block: its page, its command, what that needs and how long it takes
-    figures.py --numbers           numbers in prose that no block has and no setting explains
-    figures.py --keep              keeps these as known, in loose_numbers.toml
+    figures.py --numbers           numbers in prose that nothing accounts for, and sources that differ
+    figures.py --keep              keeps these numbers as known, in loose_numbers.toml
 
 Blocks stand in pages between ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` (`page_blocks`). Scripts that
 take a folder get ``--folder``/NAME. What needs runs of ``modelcast`` beforehand has the calls in the script's
@@ -24,16 +24,29 @@ from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import Any
 
+from number_sources import faults_of, sources
 from page_blocks import blocks_in
 from prose_numbers import Number, loose_numbers
 
-__all__ = ["Maker", "blocks_made", "blocks_of_pages", "kept_numbers", "loose_in_pages", "makers", "pages"]
+__all__ = [
+    "Maker",
+    "blocks_made",
+    "blocks_of_pages",
+    "faults_of_sources",
+    "kept_numbers",
+    "loose_in_pages",
+    "makers",
+    "pages",
+    "unread_pages",
+]
 
 ROOT = Path(__file__).resolve().parents[1]
 RUNS = "runs"
 """What a script needs that no environment variable names: runs of modelcast, made beforehand."""
 QUICK = "seconds"
 KEPT = Path(__file__).with_name("loose_numbers.toml")
+UNREAD = "unread"
+RECORDS = ("docs/decisions/", "docs/plugins-tried.md")
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +71,8 @@ class Maker:
         Whether it puts its blocks into the page; else it prints them, and a person does.
     checks
         Whether it takes ``--check``.
+    whole
+        Pages that it makes as a whole.
     """
 
     script: str
@@ -69,6 +84,7 @@ class Maker:
     needs: Sequence[str] = ()
     writes: bool = True
     checks: bool = True
+    whole: Sequence[str] = ()
 
     @property
     def name(self) -> str:
@@ -106,18 +122,51 @@ def blocks_made() -> Iterator[tuple[str, str, Maker]]:
 
 
 def loose_in_pages() -> dict[str, list[Number]]:
-    """Numbers in the prose of pages with blocks that nothing accounts for, by page."""
+    """Numbers in the prose of pages that nothing accounts for, by page.
+
+    Left out are pages that a script makes as a whole; decisions without blocks and a transcript, which tell
+    what was measured on their day and are not kept up; and those that `unread_pages` names.
+    """
     scripts: dict[str, set[str]] = {}
     for page, _, maker in blocks_made():
         scripts.setdefault(page, set()).add((ROOT / maker.script).read_text(encoding="utf-8"))
+    whole = {page for maker in makers() for page in maker.whole}
+    said = {page: [one.says for one in own] for page, own in sources().items()}
+    read = (
+        page
+        for page in map(_name, pages())
+        if page in scripts or not (page in whole or page in unread_pages() or page.startswith(RECORDS))
+    )
     return {
-        page: loose_numbers((ROOT / page).read_text(encoding="utf-8"), sorted(own))
-        for page, own in sorted(scripts.items())
+        page: loose_numbers(
+            (ROOT / page).read_text(encoding="utf-8"), sorted(scripts.get(page, ())), said.get(page, ())
+        )
+        for page in sorted(read)
     }
+
+
+def faults_of_sources() -> list[str]:
+    """What is wrong with the sources of numbers: the page, the words, and how they differ."""
+    texts = {_name(page): page.read_text(encoding="utf-8") for page in pages()}
+    return [
+        f"{page}: {one.says}: {fault}"
+        for page, own in sources().items()
+        for one in own
+        for fault in faults_of(one, texts[page], texts)
+    ]
+
+
+def unread_pages() -> list[str]:
+    """Pages whose numbers nobody has gone through yet."""
+    return _kept()[UNREAD]
 
 
 def kept_numbers() -> dict[str, list[str]]:
     """Loose numbers that are known, with their units, by page."""
+    return {page: texts for page, texts in _kept().items() if page != UNREAD}
+
+
+def _kept() -> dict[str, list[str]]:
     found: dict[str, list[str]] = tomllib.loads(KEPT.read_text(encoding="utf-8"))
     return found
 
@@ -125,7 +174,12 @@ def kept_numbers() -> dict[str, list[str]]:
 def _keep(loose: Mapping[str, Sequence[Number]]) -> None:
     """Write the loose numbers as the known ones."""
     lines = [
-        "# Numbers in prose that no block of their page has and no setting explains: `figures.py --keep`."
+        "# Pages whose numbers nobody has gone through yet, and numbers in the prose of others that no",
+        "# block of their page has, no setting explains, number_sources.toml has not: `figures.py --keep`.",
+        "",
+        f"{UNREAD} = [",
+        *(f'    "{page}",' for page in unread_pages()),
+        "]",
     ]
     for page, found in loose.items():
         if found:
@@ -187,6 +241,7 @@ def main() -> int:
         for page, found in loose_in_pages().items():
             for one in found:
                 print(f"{page}:{one.line}: {one.text}")
+        print(*faults_of_sources(), sep="\n")
         return 0
     chosen = [one for one in known if (one.name in given.only if given.only else one.takes == QUICK)]
     return int(_run(chosen, given.folder, check=given.check) > 0)

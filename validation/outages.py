@@ -7,7 +7,8 @@ of the growth alone, without the fix's own.
 
 Two of the trips have a bus that measures. The third (`HELD`) has speed, heading and yaw rate of a receiver,
 smoothed over seconds and held for one, and places on a grid of half a metre: what such a bus is worth is
-shown, not judged.
+shown, not judged. ``--write`` puts the table into ``docs/node-inputs.md``, ``--check`` returns 1 where the
+page has another.
 """
 
 import argparse
@@ -25,8 +26,11 @@ from modelcast.node.inputs.reckoning import DEFAULT_AXIS_M
 from modelcast.node.inputs.replay import TripReplay
 from modelcast.node.inputs.samples import GnssFix
 from modelcast.trips.trajectory import Trajectory
+from page_blocks import put
 
 __all__ = ["main", "outage_errors"]
+
+PAGE = Path(__file__).parents[1] / "docs" / "node-inputs.md"
 
 TRIPS = ("comma2k19", "smartloc")
 HELD = ("spmd/bsm_p1_dev.csv",)
@@ -80,14 +84,19 @@ def _one_outage(
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print a table a trip; returns 1 where fewer than nine in ten are within."""
+    """Print a table; returns 1 where fewer than nine in ten are within."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true")
+    parser.add_argument("--check", action="store_true")
     parser.add_argument(
         "--ages", type=float, nargs="+", default=[1.0, 2.0, 3.0, 5.0], help="after the last fix [s]"
     )
-    ages_s = np.array(parser.parse_args(arguments).ages)
-    print("| trip | after | outages | error p50 | p95 | 95 % radius p50 | within |")
-    print("|---|---|---|---|---|---|---|")
+    given = parser.parse_args(arguments)
+    ages_s = np.array(given.ages)
+    lines = [
+        "| trip | after | outages | error p50 | p95 | 95 % radius p50 | within |",
+        "|---|---|---|---|---|---|---|",
+    ]
     within: list[float] = []
     for name in TRIPS + HELD:
         for trip in read_trips(Path(os.environ["MODELCAST_DATA"]) / name):
@@ -95,13 +104,15 @@ def main(arguments: list[str] | None = None) -> int:
             for age_s in ages_s:
                 here = errors[errors[:, 0] == age_s]
                 p50, p95 = np.quantile(here[:, 1], [0.5, 0.95])
-                print(
+                lines.append(
                     f"| {name} | {age_s:g} s | {len(here)} | {p50:.2f} m | {p95:.2f} m | "
                     f"{np.median(here[:, 2]):.2f} m | {100 * here[:, 3].mean():.0f} % |"
                 )
             if name in TRIPS:
                 within.append(float(errors[:, 3].mean()))
-    return int(min(within) < 0.9)
+    print("\n".join(lines))
+    stale = put({PAGE: {"outages": lines}}, check=given.check) if given.write or given.check else 0
+    return stale or int(min(within) < 0.9)
 
 
 if __name__ == "__main__":

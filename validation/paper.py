@@ -55,8 +55,8 @@ _TRAFFIC_HEADS = ("claim", "the paper, in our words", "holds where", "verdict", 
 _TRAFFIC = (
     "`modelcast reproduce paper TRIPS... --traffic`, or the command of [traffic-table.md](traffic-table.md), "
     "which has every figure: the paper's bank with identifications against the error-driven baseline, "
-    "{seeds} seeds. What its bank does beside SAE J2945/1's rate and power control is in "
-    "[network.md](network.md)."
+    "{seeds} seeds. Those of `sidelink` are from before 2026-11-29, when fading was drawn twice there. What "
+    "its bank does beside SAE J2945/1's rate and power control is in [network.md](network.md)."
 )
 _STATED = {choice.title for choice in CHOICES if choice.stated}
 PLACES = ("README.md", "docs/results.md")

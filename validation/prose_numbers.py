@@ -6,6 +6,7 @@ A number with a unit counts: ``42 %``, ``1.58 m``, ``3 times``. It is accounted 
   under a mark ``<!-- from NAME, NAME -->`` the block must be one of these; or
 - a script that makes blocks of the page names it, or a command on the page, in this unit or as the metres,
   seconds or ratio that it is: it is a setting then; or
+- `number_sources` says where it comes from; or
 - it is code, a heading or in a link.
 
 The rule is one of digits, not of meaning: small numbers meet by chance. What is left is loose: nothing would
@@ -18,15 +19,36 @@ from dataclasses import dataclass
 
 from page_blocks import blocks_in
 
-__all__ = ["Number", "loose_numbers", "numbers_of"]
+__all__ = ["UNITS", "Number", "loose_numbers", "numbers_of", "quoted"]
 
-_UNIT = (
-    r"(?:%|times\b|fold\b|cm\b|m\b|km\b|ms\b|s\b|min\b|h\b|Hz\b|kB\b|MB\b|MiB\b|GB\b|GiB\b|bytes\b|octets\b)"
-)
+UNITS = {
+    "%": 0.01,
+    "times": 1.0,
+    "fold": 1.0,
+    "cm": 0.01,
+    "m": 1.0,
+    "km": 1000.0,
+    "ns": 1e-9,
+    "µs": 1e-6,
+    "ms": 0.001,
+    "s": 1.0,
+    "min": 60.0,
+    "h": 3600.0,
+    "Hz": 1.0,
+    "kB": 1e3,
+    "MB": 1e6,
+    "MiB": 2.0**20,
+    "GB": 1e9,
+    "GiB": 2.0**30,
+    "bytes": 1.0,
+    "octets": 1.0,
+}
+"""Units of numbers that count, and what one of it is in the units of code."""
+_UNIT = "(?:" + "|".join(unit if unit == "%" else rf"{unit}\b" for unit in UNITS) + ")"
 _NUMBER = re.compile(
     rf"(?<![\w.,/-])(\d{{1,3}}(?:,\d{{3}})+|\d+(?:\.\d+)?)(?: to \d+(?:\.\d+)?)?[ \u00a0]{_UNIT}"
 )
-_SMALL = {"%": 0.01, " cm": 0.01, " ms": 0.001, " km": 1000.0}
+_SMALL = {unit if unit == "%" else f" {unit}": UNITS[unit] for unit in ("%", "cm", "ms", "µs", "km")}
 """Units in which prose states what settings have in metres, seconds or as a ratio."""
 _DIGITS = re.compile(r"\d{1,3}(?:,\d{3})+|\d+(?:\.\d+)?")
 _FROM = re.compile(r"<!-- from ([^>]+) -->")
@@ -59,7 +81,7 @@ def _plain(digits: str) -> str:
     return f"{float(digits.replace(',', '')):.10g}"
 
 
-def loose_numbers(text: str, scripts: Sequence[str]) -> list[Number]:
+def loose_numbers(text: str, scripts: Sequence[str], sourced: Sequence[str] = ()) -> list[Number]:
     r"""Return the numbers in a page's prose that nothing accounts for.
 
     Parameters
@@ -68,19 +90,25 @@ def loose_numbers(text: str, scripts: Sequence[str]) -> list[Number]:
         The page.
     scripts
         Texts of the scripts that make its blocks.
+    sourced
+        Words of the page whose numbers have a source of their own.
 
     Examples
     --------
-    >>> page = ["It is 42 % of 7.5 m.", "", "<!-- begin a -->", "| 42 |", "<!-- end a -->"]
-    >>> [one.text for one in loose_numbers("\n".join(page), [])]
+    >>> page = "\n".join(["It is 42 % of 7.5 m.", "", "<!-- begin a -->", "| 42 |", "<!-- end a -->"])
+    >>> [one.text for one in loose_numbers(page, [])]
     ['7.5 m']
+    >>> loose_numbers(page, [], ["of 7.5 m"])
+    []
     """
     blocks = {name: numbers_of(" ".join(lines)) for name, lines in blocks_in(text).items()}
     commands = " ".join(line for line, kind in _lines(text) if kind == "code")
     settings = set[str]().union(*map(numbers_of, (*scripts, commands)))
     anywhere = set[str]().union(*blocks.values())
+    spans = quoted(text, sourced)
     found: list[Number] = []
     known = anywhere
+    start = 0
     for at, (line, kind) in enumerate(_lines(text), start=1):
         mark = _FROM.fullmatch(line.strip())
         if mark is not None:
@@ -88,9 +116,18 @@ def loose_numbers(text: str, scripts: Sequence[str]) -> list[Number]:
         elif not line.strip():  # a mark is good for its paragraph
             known = anywhere
         if kind == "prose":
-            every = (one[0] for one in _NUMBER.finditer(_HIDDEN.sub(" ", line)))
-            found += [Number(at, one) for one in every if not _accounted(one, known, settings)]
+            for one in _NUMBER.finditer(_HIDDEN.sub(lambda hidden: " " * len(hidden[0]), line)):
+                within = any(begin <= start + one.start() < end for begin, end in spans)
+                if not within and not _accounted(one[0], known, settings):
+                    found.append(Number(at, one[0]))
+        start += len(line) + 1
     return found
+
+
+def quoted(text: str, sourced: Iterable[str]) -> list[tuple[int, int]]:
+    """Return where words stand in a page, however its lines are broken: begin and end of each place."""
+    patterns = (r"\s+".join(map(re.escape, words.split())) for words in sourced)
+    return [one.span() for pattern in patterns for one in re.finditer(pattern, text)]
 
 
 def _accounted(text: str, known: set[str], settings: set[str]) -> bool:

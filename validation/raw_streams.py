@@ -18,11 +18,13 @@ from modelcast.core.arrays import FloatArray
 from modelcast.io.trips import read_trips
 from modelcast.node.inputs.motion_source import MotionSource
 from modelcast.node.inputs.samples import BusValue, GnssFix, Sample
+from page_blocks import put
 
 __all__ = ["main"]
 
 SHORTEST_S = 0.06
 """From an epoch to its log at the least: what comma2k19's reader says of it."""
+PAGE = Path(__file__).parents[1] / "docs" / "node-inputs.md"
 PHASES = 5
 BEGIN_S = 3.0
 
@@ -59,16 +61,18 @@ def streams(folder: Path) -> tuple[list[Sample], float]:
 
 def main(arguments: list[str] | None = None) -> int:
     """Print the differences; returns 1 where their median exceeds 10 cm."""
-    argparse.ArgumentParser(description=__doc__).parse_args(arguments)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true", help="put the table into docs/node-inputs.md")
+    given = parser.parse_args(arguments)
     folder = Path(os.environ["MODELCAST_DATA"]) / "comma2k19"
     (trip,) = read_trips(folder)
     samples, zero_s = streams(folder)
     assert trip.start_unix_s is not None
     begin_s = trip.start_unix_s - zero_s
-    print(
-        "| tick's phase | ticks | place p50 | p95 | speed p95 | heading p95 | age of the fix p50 | a tick |"
-    )
-    print("|---|---|---|---|---|---|---|---|")
+    lines = [
+        "| tick's phase | ticks | place p50 | p95 | speed p95 | heading p95 | age of the fix p50 | a tick |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
     medians: list[float] = []
     for phase_s in (0.1 / PHASES * np.arange(PHASES)).tolist():
         source, at = MotionSource(trip.origin), 0
@@ -100,12 +104,15 @@ def main(arguments: list[str] | None = None) -> int:
         found = np.array(rows)
         place, speed, heading, age = found.T
         medians.append(float(np.median(place)))
-        print(
+        lines.append(
             f"| {1e3 * phase_s:.0f} ms | {len(found)} | {100 * medians[-1]:.1f} cm | "
             f"{100 * np.quantile(place, 0.95):.1f} cm | {np.quantile(speed, 0.95):.2f} m/s | "
             f"{np.quantile(heading, 0.95):.2f}° | {1e3 * np.median(age):.0f} ms | "
             f"{1e6 * np.median(spent_s):.0f} µs |"
         )
+    print("\n".join(lines))
+    if given.write:
+        put({PAGE: {"raw streams": lines}}, check=False)
     return int(max(medians) > 0.1)
 
 

@@ -42,6 +42,7 @@ def test_a_comparison_leaves_table_figure_rows_and_arguments(done: Path) -> None
     assert {item.name for item in done.iterdir()} == {
         "summary.json",
         "table.md",
+        "report.html",
         "comparison.png",
         "comparison.svg",
         "comparison.pdf",
@@ -63,22 +64,24 @@ def test_every_bank_meets_every_rule_and_a_single_member_one(done: Path) -> None
         ("cv", "order", "on-failure"),
         ("ctra+cv order/on-failure", "order", "on-failure"),
         ("ctra+cv keep/final", "keep", "final"),
+        ("free", "order", "never"),
     ]
     assert summary["settings"]["against"] == "ctra+cv keep/final"
     assert [row["name"] for row in summary["routes"]] == ["drive1/1", "drive2/1"]
-    assert len(summary["ratios"]) == 3 * 2 * 2
-    assert len(summary["tracking"]) == 3 * 2 * 2 * 2
+    assert len(summary["ratios"]) == 4 * 2 * 2
+    assert len(summary["tracking"]) == 4 * 2 * 2 * 2
 
 
 def test_rows_a_trip_are_read_back(done: Path) -> None:
     messages = pl.read_parquet(done / "messages.parquet")
-    assert messages.shape == (3 * 2 * 2 * 2, 13)
+    assert messages.shape == (4 * 2 * 2 * 2, 13)
     assert messages.schema["updates"] == pl.Int64
     tracking = pl.read_parquet(done / "tracking.parquet")
     assert set(tracking["trip"]) == {"all", "drive1/1", "drive2/1"}
-    assert tracking.filter(pl.col("trip") != "all")["p90_low"].null_count() == 3 * 2 * 2 * 2 * 2
+    assert tracking.filter(pl.col("trip") != "all")["p90_low"].null_count() == 4 * 2 * 2 * 2 * 2
 
 
+@pytest.mark.slow
 def test_rows_agree_with_the_evaluate_command(done: Path, drives: list[Path], tmp_path: Path) -> None:
     out = tmp_path / "alone"
     words = ["--bank", "ctra+cv", "--start", "keep", "--identify", "final", "--protocol", "sensor"]
@@ -118,8 +121,17 @@ def test_json_is_the_summary_and_tables_are_printed_otherwise(
     assert json.loads(capsys.readouterr().out) == json.loads((tmp_path / "out" / "summary.json").read_text())
     assert run(["compare", *words]) == 0
     shown = capsys.readouterr().out
-    assert "Over the baseline, recorded" in shown
-    assert "1 trip, 0.03 h, 1 route; 1 candidate" in shown
+    assert "Same threshold, recorded, without loss" in shown
+    assert "Found: At the same threshold, without loss, ctra sent" in shown
+    assert "1 trip, 0.03 h, 1 route; 2 candidates" in shown
+
+
+def test_the_free_receiver_can_be_left_out(drives: list[Path], tmp_path: Path) -> None:
+    words = ["--bank", "ctra", *SMALL[:3], "--rates-only", "--no-references", "--no-free", "--quiet"]
+    assert run(["compare", str(drives[0]), *words, "--out", str(tmp_path / "out")]) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert [row["name"] for row in summary["candidates"]] == ["ctra"]
+    assert (summary["settings"]["free"], summary["settings"]["against"]) == (None, "ctra")
 
 
 def test_by_default_every_member_and_both_named_banks_are_compared() -> None:

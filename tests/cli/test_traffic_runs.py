@@ -31,12 +31,14 @@ def traffic(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, TrafficResu
 Traffic = tuple[Path, TrafficResult, list[tuple[int, int]]]
 
 
+@pytest.mark.slow
 def test_every_run_of_the_plan_is_made_and_told(traffic: Traffic) -> None:
     _, found, steps = traffic
     assert len(found.network.runs) == SMALL.runs == 16
     assert steps == [(done, 16) for done in range(17)]
 
 
+@pytest.mark.slow
 def test_the_hybrid_identifies_and_the_baseline_cannot(traffic: Traffic) -> None:
     for row in traffic[1].rows:
         if row.figure == "identification_rate_hz":
@@ -58,6 +60,7 @@ def test_verdicts_and_figures_are_written(traffic: Traffic) -> None:
     assert {f"traffic_{name}.png" for name in ("load", "reception", "range", "density")} <= names
 
 
+@pytest.mark.slow
 def test_the_command_takes_the_runs_up_and_the_plan_those_of_the_command(
     traffic: Traffic, tmp_path: Path
 ) -> None:
@@ -96,6 +99,7 @@ def test_how_long_a_plan_takes_is_told_in_whole_hours_or_minutes(
         run_traffic(tmp_path, TrafficPlan(seeds=seeds), jobs=jobs, progress=lambda *_: None, say=say)
 
 
+@pytest.mark.slow
 def test_a_sweep_without_the_baseline_compares_nothing(tmp_path: Path) -> None:
     line = (
         "network --density 30 --policy mbc --duration 3 --warm-up 1 --length 400 --jobs 1 --seeds 1 --quiet"

@@ -91,6 +91,7 @@ def test_it_is_the_comparison_of_all_trips_together(
     assert len(corpus.partitions) == 1 or partitions > 1
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_same_octets_whatever_the_partitions(
     made: Callable[[int], Corpus], tmp_path: Path
 ) -> None:

@@ -8,7 +8,16 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "validation"))
-from figures import blocks_made, blocks_of_pages, kept_numbers, loose_in_pages, makers
+from figures import (
+    blocks_made,
+    blocks_of_pages,
+    faults_of_sources,
+    kept_numbers,
+    loose_in_pages,
+    makers,
+    unread_pages,
+)
+from number_sources import Source, faults_of, sources
 from prose_numbers import loose_numbers
 
 sys.path.pop(0)
@@ -30,11 +39,11 @@ def test_every_registered_command_takes_what_it_is_called_with() -> None:
 
 
 def test_loose_numbers_are_the_known_ones() -> None:
-    """Numbers in prose that no block of their page has and no setting explains, each by its text.
+    """Numbers in prose that nothing accounts for, each by its text.
 
     ``python validation/figures.py --numbers`` tells where they stand. To take one away, put it into a block
-    that a script makes, or say it without a number. ``--keep`` writes the list anew, for who has looked at
-    each.
+    that a script makes, tell in ``number_sources.toml`` where it comes from, or say it without a number.
+    ``--keep`` writes the list anew, for who has looked at each.
     """
     found = {page: Counter(one.text for one in loose) for page, loose in loose_in_pages().items() if loose}
     known = {page: Counter(texts) for page, texts in kept_numbers().items()}
@@ -44,6 +53,18 @@ def test_loose_numbers_are_the_known_ones() -> None:
     gone = {page: known.get(page, none) - found.get(page, none) for page in pages}
     assert {page: sorted(texts) for page, texts in new.items() if texts} == {}, "not known"
     assert {page: sorted(texts) for page, texts in gone.items() if texts} == {}, "known, but gone"
+
+
+def test_numbers_with_a_source_are_those_of_the_source() -> None:
+    """What ``number_sources.toml`` quotes stands in the page, and in the code or block that it names."""
+    assert faults_of_sources() == []
+
+
+def test_pages_that_nobody_has_gone_through_are_pages_without_sources_or_blocks() -> None:
+    assert set(unread_pages()) <= {
+        page.relative_to(ROOT).as_posix() for page in (ROOT / "docs").rglob("*.md")
+    }
+    assert not set(unread_pages()) & {*sources(), *(page for page, _ in blocks_of_pages())}
 
 
 @pytest.mark.slow
@@ -103,3 +124,30 @@ def test_settings_are_those_of_the_script_in_any_unit_of_length() -> None:
 def test_a_mark_that_names_no_block_is_an_error() -> None:
     with pytest.raises(ValueError, match="no block gone"):
         loose_numbers("<!-- from gone -->\nIt is 3 %.\n", [])
+
+
+TABLES = {"a.md": "<!-- begin rates -->\n| mbc | 0.88 | 1,200 |\n| cv | 0.70 | 7 |\n<!-- end rates -->\n"}
+SENDS = "It sends 12 % fewer\nmessages, 7 of 1,200, within 0.45 s."
+INTERVAL = ["modelcast.messages.airtime.Stack.certificate_interval_s"]
+
+
+@pytest.mark.parametrize(
+    ("source", "fault"),
+    [
+        (Source("sends 12 % fewer", block="a.md rates", row="mbc", sum=["1 - 0.88"]), ""),
+        (Source("sends 12 % fewer", block="a.md rates", row="cv", sum=["1 - 0.88"]), "0.88 has no source"),
+        (Source("sends 12 % fewer", block="a.md rates", sum=["1 - 0.70"]), "12 % is not what the source has"),
+        (Source("fewer messages, 7 of 1,200", block="a.md rates"), ""),
+        (Source("7 of 1,200", block="a.md rates", row="cv"), "1,200 is not what the source has"),
+        (Source("within 0.45 s", code=INTERVAL), ""),
+        (Source("7 of 1,200", code=INTERVAL), "7 of is not what the source has"),
+        (Source("within 0.46 s", code=INTERVAL), "the page does not say so"),
+        (Source("within 0.45 s", given="a standard"), ""),
+        (Source("within 0.45 s"), "it has no source"),
+        (Source("within 0.45 s", code=["modelcast.gone.NAME"]), "modelcast.gone.NAME is not there"),
+        (Source("within 0.45 s", block="a.md gone"), "a.md has no block gone"),
+        (Source("within 0.45 s", block="a.md rates", row="free"), "no line of rates has free"),
+    ],
+)
+def test_a_source_agrees_with_the_page_or_says_how_it_differs(source: Source, fault: str) -> None:
+    assert (faults_of(source, SENDS, TABLES) or [""])[0] == fault

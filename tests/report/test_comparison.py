@@ -10,8 +10,15 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from modelcast.report.comparison import comparison_console, comparison_markdown, write_comparison_report
+from modelcast.report.comparison import (
+    comparison_console,
+    comparison_markdown,
+    comparison_page,
+    write_comparison_report,
+)
+from modelcast.report.comparison_findings import comparison_findings
 from modelcast.report.figures import plot_comparison
+from modelcast.report.figures.files import Drawing, drawn
 from modelcast.report.style import style
 from modelcast.study.compare.result import (
     COUNTS,
@@ -156,24 +163,39 @@ def tracking(name: str, protocol: str, trip: str, *, threshold_m: float, ratio: 
         p90_m=found,
         matched_p90_m=1.0,
         periodic_p90_m=1.2,
+        baseline_rate_hz=1.5,
+        free_rate_hz=1.2,
+        free_matched_rate_hz=0.9,
         p90_ratio=found,
         p90_low=found - 0.1,
         p90_high=found + 0.1,
+        baseline_p90_m=0.5,
+        free_p90_m=0.8,
+        free_matched_p90_m=0.9,
+        p90_over_free=found / 0.9,
+        p90_over_free_low=None,
+        p90_over_free_high=None,
         p99_m=2 * found,
         matched_p99_m=4.0,
         periodic_p99_m=5.0,
         p99_ratio=found / 2,
         p99_low=None,
         p99_high=None,
+        baseline_p99_m=1.0,
+        free_p99_m=1.6,
+        free_matched_p99_m=1.8,
+        p99_over_free=found / 0.9,
+        p99_over_free_low=None,
+        p99_over_free_high=None,
     )
 
 
-def against(rival: str) -> ComparisonResult:
-    """The made-up comparison with figures over one of its candidates."""
+def against(*rivals: str, free: str | None = None) -> ComparisonResult:
+    """The made-up comparison with figures over some of its candidates, the first the one compared against."""
     result = made()
     return replace(
         result,
-        settings={**result.settings, "against": rival},
+        settings={**result.settings, "against": rivals[0], "free": free},
         rivals=RIVAL_RATIOS.table(
             RIVAL_RATIOS.row(
                 candidate=row.candidate,
@@ -195,6 +217,7 @@ def against(rival: str) -> ComparisonResult:
                 worst_excess=7.0,
                 worst_ratio=1.5,
             )
+            for rival in rivals
             for row in result.ratios
         ),
     )
@@ -205,17 +228,39 @@ def lines_of(axes: object, label: str) -> np.ndarray:
     return np.asarray(line.get_ydata())
 
 
-def test_lines_lie_at_the_pooled_ratios() -> None:
+def test_lines_lie_at_the_pooled_ratios_and_errors_stand_in_both_readings() -> None:
     figure = plot_comparison(made())
-    messages, airtime, p90, p99 = figure.axes[4:]
+    messages, airtime, same, matched = figure.axes[4:]
     for at, name in enumerate(NAMES):
         value = 0.5 + 0.2 * at
         np.testing.assert_allclose(lines_of(messages, name), [value + 0.2, value + 0.5])
         np.testing.assert_allclose(lines_of(airtime, name), [1.2 * value] * 2)
-        np.testing.assert_allclose(lines_of(p90, name), [value + 0.5, value + 0.9], err_msg="worst threshold")
-        np.testing.assert_allclose(lines_of(p99, name), [(value + 0.5) / 2, (value + 0.9) / 2])
+        worst = np.array([value + 0.5, value + 0.9])
+        np.testing.assert_allclose(lines_of(same, name), worst / 0.5, err_msg="worst threshold")
+        np.testing.assert_allclose(lines_of(matched, name), worst)
     np.testing.assert_allclose(lines_of(messages, "Known future, degree 2"), [0.2, 0.2])
     assert messages.get_ylabel().startswith("sensor")
+    assert [axes.get_title() for axes in (same, matched)] == [
+        "p90, same threshold,\nwith losses",
+        "p90, same rate,\nwith losses",
+    ]
+
+
+def test_the_free_receiver_has_a_row_of_panels_of_its_own() -> None:
+    figure = plot_comparison(against("ctra", free="ctra"))
+    messages, airtime, same, matched = figure.axes[4:8]
+    np.testing.assert_allclose(lines_of(messages, "cv"), [2.0 * 0.7, 2.0 * 1.0])
+    np.testing.assert_allclose(lines_of(airtime, "cv"), [4.0 * 0.7, 4.0 * 1.0])
+    np.testing.assert_allclose(lines_of(same, "cv"), [1.0 / 0.8, 1.4 / 0.8])
+    np.testing.assert_allclose(lines_of(matched, "cv"), [1.0 / 0.9, 1.4 / 0.9])
+    assert messages.get_ylabel() == "recorded\nratio to the free receiver"
+    assert len(figure.axes) == 16
+    other = plot_comparison(against("gp+cv order/on-failure", "ctra", free="ctra"))
+    assert [axes.get_ylabel() for axes in other.axes[:12:4]] == [
+        "recorded\nratio to the baseline",
+        "recorded\nratio to the free receiver",
+        "recorded\nratio to gp+cv order/on-failure",
+    ]
 
 
 def test_intervals_are_drawn_from_end_to_end() -> None:
@@ -242,6 +287,7 @@ def test_a_reference_far_above_is_named_and_not_drawn() -> None:
     assert names[-1] == "ETSI CAM rules"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [
@@ -261,7 +307,13 @@ def test_figure_and_tables_are_made_for(options: dict[str, tuple[str, ...]], tmp
     with style():
         plot_comparison(result).draw_without_rendering()
     paths = write_comparison_report(result, tmp_path)
-    assert [path.name for path in paths] == ["table.md", "comparison.png", "comparison.svg", "comparison.pdf"]
+    assert [path.name for path in paths] == [
+        "table.md",
+        "report.html",
+        "comparison.png",
+        "comparison.svg",
+        "comparison.pdf",
+    ]
     Console(width=100, file=io.StringIO()).print(comparison_console(result))
 
 
@@ -274,50 +326,119 @@ def test_ratios_that_do_not_exist_leave_holes() -> None:
     holed = replace(result, tracking=rows)
     with style():
         plot_comparison(holed).draw_without_rendering()
-    assert "| - / - | - / - |" in comparison_markdown(holed)
+    assert "| cv | 40 | - | - |" in comparison_markdown(holed)
 
 
-def test_the_table_is_markdown_with_as_many_cells_in_every_row() -> None:
-    text = comparison_markdown(made())
+def test_tables_are_markdown_with_as_many_cells_in_every_row_and_one_reading_each() -> None:
+    text = comparison_markdown(against("ctra", free="ctra"))
     parts = text.split("### ")[1:]
     assert [part.splitlines()[0] for part in parts] == ["recorded", "sensor"]
     for part in parts:
-        rows = [line for line in part.splitlines() if line.startswith("|")]
-        assert len({len(re.split(r"(?<!\\)\|", row)) for row in rows}) == 1
-        assert len(rows) == 2 + len(NAMES)
-        assert rows[3].startswith(
+        tables = [
+            [line for line in one.splitlines() if line.startswith("|")] for one in part.split("\n**")[1:]
+        ]
+        assert [len(rows) - 2 for rows in tables] == [3, 3, 6, 6]
+        for rows in tables:
+            assert len({len(re.split(r"(?<!\\)\|", row)) for row in rows}) == 1
+        baseline, free, same, matched = tables
+        assert baseline[3].startswith(
             "| ctra | 0.90 [0.80, 1.00] | 1.20 [1.10, 1.30] | +0.20 [-0.10, +0.10]; +0.20"
         )
-        assert rows[3].endswith(
-            "| 1.12 / 1.12 | 0.84 [0.74, 0.94] | 0.84 [0.74, 0.94] "
-            "| 1.20 / 1.60 | 0.60 / 0.80 | 2 of 6 | t/2\\|$x$, 1.25 at 20 cm |"
+        assert baseline[3].endswith(
+            "| 1.12 / 1.12 | 0.84 [0.74, 0.94] | 0.84 [0.74, 0.94] | 2 of 6 | t/2\\|$x$, 1.25 at 20 cm |"
         )
+        assert free[2] == (
+            "| cv | 1.40 [1.33, 1.47] | 2.00 [1.90, 2.10] | 2.10 / 3.00 | 2.80 | 4.00 "
+            "| 4 of 6 | t/1\\|$y$, 1.50 at 20 cm |"
+        )
+        assert same[2] == (
+            "| cv | 0 | 0.90 / 0.90 | 1.20 / 1.20 | 1.50 / 1.50 | 0.70 / 1.00 | 0.80 / 0.80 | 0.50 / 0.50 |"
+        )
+        assert matched[3] == "| cv | 40 | 1.56 | 1.40 [1.30, 1.50] | 1.56 | 0.70 |"
     assert "`clairvoyant-2` 0.20 / 0.20; `cam` 2.50 / 2.50" in text
     assert "hills\\|and dales, 2 trips, 600 s" in text
     assert "bad\\|one/1: its longest part" in text
 
 
-def test_the_candidate_compared_against_has_a_table_and_a_row_of_panels_of_its_own(tmp_path: Path) -> None:
+def test_a_third_candidate_compared_against_has_a_table_and_a_row_of_panels_of_its_own() -> None:
     result = against("ctra")
-    text = comparison_markdown(result)
-    parts = text.split("Messages, bytes and airtime over those of `ctra`")[1:]
-    assert len(parts) == 2
-    rows = [line for line in parts[0].splitlines() if line.startswith("|")][: 2 + len(NAMES)]
-    assert len({len(re.split(r"(?<!\\)\|", row)) for row in rows}) == 1
-    assert rows[2] == (
-        "| cv | 1.40 [1.33, 1.47] | 2.00 [1.90, 2.10] | 2.10 / 3.00 | 2.80 | 4.00 "
-        "| 4 of 6 | t/1\\|$y$, 1.50 at 20 cm |"
-    )
-    figure = plot_comparison(result)
-    messages, octets, airtime, over = figure.axes[4:8]
+    assert comparison_markdown(result).count("Same threshold, without loss: over ctra") == 2
+    messages, octets, airtime, over = plot_comparison(result).axes[4:8]
     for axes, times in ((messages, 2.0), (octets, 3.0), (airtime, 4.0)):
         np.testing.assert_allclose(lines_of(axes, "cv"), [times * 0.7, times * 1.0])
     np.testing.assert_allclose(lines_of(over, "cv"), [200.0 / 3.0] * 2)
     assert messages.get_ylabel() == "recorded\nratio to ctra"
+
+
+def shown(result: ComparisonResult) -> str:
     file = io.StringIO()
     Console(width=100, file=file).print(comparison_console(result))
-    assert "Over ctra, sensor" in file.getvalue()
-    write_comparison_report(result, tmp_path)
+    return file.getvalue()
+
+
+def test_the_terminal_shows_one_reading_a_table() -> None:
+    text = shown(against("ctra", free="ctra"))
+    for title in (
+        "Same threshold, recorded, without loss (20 / 50 cm)",
+        "Same threshold, recorded, 40 % lost",
+        "Same total rate as the candidate, sensor, 40 % lost",
+    ):
+        assert title in text
+    rows = [
+        " ".join(line.replace("│", " ").split())
+        for line in text.partition("sensor, without")[0].splitlines()
+        if line.startswith("│ cv")
+    ]
+    assert rows == [
+        "cv 0.70 / 1.00 1.40 / 2.00 0.60 / 0.60 2.80 / 4.00 2 of 6",
+        "cv 0.90 / 0.90 1.20 / 1.20 1.50 / 1.50 1.10 / 1.40 0.80 / 0.80",
+        "cv 0.50 / 0.50",
+        "cv 1.40 0.70 1.56 1.56",
+    ]
+
+
+def test_what_was_found_and_what_not_stands_first_and_names_the_data() -> None:
+    result = against("ctra", free="ctra")
+    titles = [title for title, _ in comparison_findings(result)]
+    assert titles == [
+        "Found, recorded",
+        "Found, sensor",
+        "Not found, recorded",
+        "Not found, sensor",
+        "Data",
+        "Words",
+    ]
+    found, _, missed, _, data, words = (text for _, text in comparison_findings(result))
+    assert (
+        "cv and gp+cv order/on-failure sent more messages than the free receiver (1.40 to 2.80 times" in found
+    )
+    assert "with 40 % of the messages lost" in found
+    assert "erred more than the free receiver (1.22 to 2.00 times as much)" in found
+    assert "cv in all 2 at the same threshold (most at 50 cm, 40 % lost: 1.40 against 0.80 m" in missed
+    assert "for 0.75 times the messages) and in all 2 at the same rate" in missed
+    assert data.startswith("3 trips, 15.0 min, read from csv; protocol recorded")
+    assert "free receiver: plain messages" in words
+    page = comparison_page(result, drawn_once(result))
+    assert page.index("Not found, sensor") < page.index("<figure>") < page.index("<table>")
+
+
+def drawn_once(result: ComparisonResult) -> Drawing:
+    with style():
+        return drawn("comparison", plot_comparison(result))
+
+
+def test_without_the_free_receiver_the_baseline_is_the_measure() -> None:
+    texts = dict(comparison_findings(made(protocols=("recorded",))))
+    assert "free receiver" not in " ".join(texts.values())
+    assert "the error was larger than the baseline's: " in texts["Not found"]
+    assert "free" not in shown(made())
+
+
+def test_errors_that_were_not_measured_are_not_spoken_of() -> None:
+    texts = dict(comparison_findings(made(protocols=("recorded",), ratios=())))
+    assert "At the same rate" not in texts["Found"]
+    assert texts["Not found"].startswith("Errors were not measured")
+    assert comparison_findings(made(protocols=())) == []
 
 
 def test_the_baseline_has_no_second_table_nor_has_a_candidate_alone() -> None:
@@ -331,6 +452,7 @@ def test_the_baseline_has_no_second_table_nor_has_a_candidate_alone() -> None:
     assert made().rival is None
 
 
+@pytest.mark.slow
 def test_files_are_the_same_twice(tmp_path: Path) -> None:
     contents = []
     for name in ("a", "b"):

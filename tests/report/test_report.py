@@ -12,6 +12,7 @@ from rich.console import Console
 
 from modelcast.report.console import console_report
 from modelcast.report.html import report_document, write_report
+from modelcast.report.settings_section import settings_section
 from modelcast.report.tables import events_frame, rates_frame, samples_frame, tracking_frame, trips_frame
 from modelcast.study.result import RATES, TRACKING, EvaluationResult
 
@@ -24,6 +25,7 @@ def page_without_figures(read_page: ReadPage) -> Callable[[EvaluationResult], An
     return lambda result: read_page(report_document(result, ()))
 
 
+@pytest.mark.slow
 def test_report_needs_no_network_and_its_figures_no_script(
     make_result: Make, tmp_path: Path, read_page: ReadPage
 ) -> None:
@@ -45,6 +47,7 @@ def test_names_are_text_not_markup(make_result: Make, page_without_figures: Any)
     assert "broken/<b>7</b>" in page.text
 
 
+@pytest.mark.slow
 def test_report_says_what_the_labels_mean(make_result: Make, tmp_path: Path, read_page: ReadPage) -> None:
     text = read_page(write_report(make_result(), tmp_path)[0].read_text(encoding="utf-8")).text
     for claim in (
@@ -105,6 +108,7 @@ def test_report_claims_only_what_the_settings_say(
     assert claim in page_without_figures(replace(make_result(), settings=settings)).text
 
 
+@pytest.mark.slow
 def test_report_is_the_same_twice_and_names_no_folder(make_result: Make, tmp_path: Path) -> None:
     for name in "ab":
         (tmp_path / name).mkdir()
@@ -211,23 +215,43 @@ def test_warnings_stand_before_any_figure(make_result: Make) -> None:
     assert "Warnings" not in report_document(clean, ())
 
 
-def test_settings_are_names_and_short_numbers_and_what_is_not_given_is_one_line(
+def test_settings_are_words_with_units_and_what_is_not_given_is_one_line(
     make_result: Make, page_without_figures: Any
 ) -> None:
-    model = "FreeMotion(estimates=(1, 2), label='free')"
-    settings = {"budget": 4 / 3, "sub_models": [model, "ConstantVelocity()"], "costs": None, "expiry_s": None}
-    text = page_without_figures(replace(make_result(), settings=settings)).text
-    assert "1.333" in text
-    assert "1.3333" not in text
-    assert "free (FreeMotion), ConstantVelocity()" in text
-    assert "Not given: costs, expiry_s." in text
-    assert "None" not in text.partition("Settings")[2]
+    settings = {
+        "budget": 4 / 3,
+        "sub_models": ["FreeMotion(estimates=(1, 2), label='free')", "ConstantVelocity()"],
+        "sub_model_names": ["free", "cv"],
+        "sensor": {"heading_noise_rad": 0.0034906585, "speed_noise_mps": 0.1},
+        "policy": "Above(limit_m=0.5, table=(1, 2))",
+        "costs": None,
+        "expiry_s": None,
+    }
+    text = page_without_figures(replace(make_result(), settings=settings)).text.partition("Settings")[2]
+    for said in (
+        "budget1.333",
+        "sub modelsfree, cv",
+        "sensor: heading noise0.2°",
+        "sensor: speed noise0.1 m/s",
+        "policyabove: limit 0.5 m, whole in summary.json",
+        "Not given: costs, expiry.",
+    ):
+        assert said in text
+    assert "None" not in text
+    assert "(estimates" not in text
 
 
-def test_a_long_setting_is_shortened_and_says_where_it_is_whole(
-    make_result: Make, page_without_figures: Any
-) -> None:
-    long = "Perceptron(" + ", ".join(map(str, range(1000))) + ")"
-    text = page_without_figures(replace(make_result(), settings={"sub_models": [long], "seed": 5})).text
+def test_settings_that_are_as_by_default_are_folded() -> None:
+    text = settings_section({"seed": 5, "seeds": 3, "cost": None}, {"seed": 0, "seeds": 3})
+    shown, _, folded = text.partition("<details>")
+    assert "seed</td>" in shown
+    assert "seeds</td>" not in shown
+    assert "As by default (1)" in folded
+    assert "seeds</td>" in folded
+
+
+def test_a_long_setting_is_shortened_and_says_where_it_is_whole() -> None:
+    long = ", ".join(f"file {at}" for at in range(100))
+    text = settings_section({"paths": long})
     assert f"{long[:240]}\u2026 (whole in summary.json)" in text
     assert long not in text

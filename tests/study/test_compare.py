@@ -13,7 +13,7 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.models.bank import Bank
 from modelcast.models.gp import GaussianProcess
 from modelcast.models.kinematic import ConstantTurnRateAcceleration
-from modelcast.station.banks import BASELINE_BANK, PAPER_BANK
+from modelcast.station.banks import BASELINE_BANK, PAPER_BANK, free_bank
 from modelcast.study.compare.bootstrap import (
     limits,
     quantile_resamples,
@@ -85,7 +85,8 @@ def test_each_trip_is_judged_with_what_was_learnt_on_the_other_routes(trips: lis
         bank = Bank((GaussianProcess(form="intercept", noise_floor_m=0.01 * (at + 1)),))
         alone = evaluate([trip], replace(SHARED, bank=bank, protocol="recorded", references=False))
         expected = [row.updates for row in alone.rates if (row.trip, row.policy) == (trip.trip_id, "mbc")]
-        assert [row.updates for row in result.counts if row.trip == trip.trip_id] == expected
+        own = [row for row in result.counts if (row.trip, row.candidate) == (trip.trip_id, "learner")]
+        assert [row.updates for row in own] == expected
 
 
 def test_a_trained_candidate_needs_another_route(trips: list[Trajectory]) -> None:
@@ -130,7 +131,7 @@ def test_rows_are_those_of_a_single_evaluation(
     ]
     assert len(tracked) == (1 + len(trips)) * 4
     for row in tracked:
-        own, matched, periodic = (
+        own, matched, periodic, baseline, free, free_matched = (
             next(
                 one
                 for one in alone.tracking
@@ -138,7 +139,14 @@ def test_rows_are_those_of_a_single_evaluation(
                 == (row.trip, policy, row.threshold_m, row.packet_error_ratio)
                 and one.rate_basis in {None, "total"}
             )
-            for policy in ("mbc", "baseline-matched", "baseline-periodic")
+            for policy in (
+                "mbc",
+                "baseline-matched",
+                "baseline-periodic",
+                "baseline",
+                "free",
+                "free-matched",
+            )
         )
         assert (row.p90_m, row.p99_m) == as_pooled(row.trip, (own.pte_p90_m, own.pte_p99_m))
         assert (row.matched_p90_m, row.matched_p99_m) == as_pooled(
@@ -147,16 +155,21 @@ def test_rows_are_those_of_a_single_evaluation(
         assert (row.periodic_p90_m, row.periodic_p99_m) == as_pooled(
             row.trip, (periodic.pte_p90_m, periodic.pte_p99_m)
         )
+        for prefix, one in (("baseline", baseline), ("free", free), ("free_matched", free_matched)):
+            figures = [getattr(row, f"{prefix}_{name}") for name in ("p90_m", "p99_m")]
+            assert tuple(figures) == as_pooled(row.trip, (one.pte_p90_m, one.pte_p99_m))
+            assert getattr(row, f"{prefix}_rate_hz") == pytest.approx(one.message_rate_hz)
         assert row.message_rate_hz == pytest.approx(own.message_rate_hz)
         assert row.p90_ratio == row.p90_m / min(row.matched_p90_m, row.periodic_p90_m)
+        assert row.p90_over_free == row.p90_m / row.free_matched_p90_m
 
 
 def test_the_baselines_may_be_given_the_rate_of_updates(trips: list[Trajectory]) -> None:
     """As in the rows of an evaluation on that basis; updates are fewer than all messages."""
     paper = FixedCandidate("paper", PAPER_BANK)
+    asked = replace(SETTINGS, evaluation=replace(SHARED, free=None), protocols=("recorded",))
     by_update, by_total = (
-        compare(trips, [paper], replace(SETTINGS, protocols=("recorded",), rate_basis=basis)).tracking
-        for basis in ("update", "total")
+        compare(trips, [paper], replace(asked, rate_basis=basis)).tracking for basis in ("update", "total")
     )
     alone = evaluate(trips, replace(paper.fitted((), SHARED), protocol="recorded", references=False)).tracking
     for row, total in zip(by_update, by_total, strict=True):
@@ -181,9 +194,9 @@ def test_the_baselines_bank_compared_with_itself_is_one(compared: ComparisonResu
     assert all(row.matched_rate_hz == row.message_rate_hz for row in tracked)
 
 
-def test_ratios_are_of_sums_and_differences_to_the_first(compared: ComparisonResult) -> None:
+def test_ratios_are_of_sums_and_differences_to_the_free_receiver(compared: ComparisonResult) -> None:
     ratios: dict[str, float] = {}
-    for name in ("cv", "paper"):
+    for name in ("free", "paper"):
         rows = [
             row
             for row in compared.counts
@@ -197,7 +210,7 @@ def test_ratios_are_of_sums_and_differences_to_the_first(compared: ComparisonRes
         if (row.candidate, row.protocol, row.threshold_m) == ("paper", "sensor", 0.5)
     )
     assert row.message_ratio == ratios["paper"]
-    assert row.difference == ratios["paper"] - ratios["cv"]
+    assert row.difference == ratios["paper"] - ratios["free"]
     assert row.message_low is not None
     assert row.message_high is not None
     assert row.message_low <= row.message_ratio <= row.message_high
@@ -210,7 +223,10 @@ def test_ratios_to_the_candidate_compared_against_are_of_sums_on_the_same_trips(
     candidates = [FixedCandidate("cv", BASELINE_BANK), FixedCandidate("paper", PAPER_BANK)]
     found = compare(trips, candidates, replace(SETTINGS, against="paper"))
     assert found.rival == "paper"
+    assert list(dict.fromkeys(row.rival for row in found.rivals)) == ["paper", "free"]
     for row in found.rivals:
+        if row.rival != "paper":
+            continue
         own, other = (
             [
                 one
@@ -256,6 +272,40 @@ def test_trips_over_the_bound_are_counted_and_the_worst_is_named(compared: Compa
         assert row.worst_excess == beyond[row.worst_trip] == max(beyond.values())
 
 
+def test_the_free_receiver_is_a_candidate_unless_it_is_one_or_left_out(trips: list[Trajectory]) -> None:
+    rates = replace(SHARED, packet_error_ratios=(), references=False)
+    asked = CompareSettings(rates, ("recorded",), resamples=20)
+    named = FixedCandidate("plain", free_bank())
+    other = FixedCandidate("free", BASELINE_BANK)
+    for candidates, settings, names, free in (
+        (CANDIDATES[:1], asked, ["cv", "free"], "free"),
+        ([CANDIDATES[0], named], asked, ["cv", "plain"], "plain"),
+        ([other], asked, ["free", "free receiver"], "free receiver"),
+        (CANDIDATES[:1], replace(asked, evaluation=replace(rates, free=None)), ["cv"], None),
+    ):
+        result = compare(trips[:1], candidates, settings)
+        assert [row.name for row in result.candidates] == names
+        assert (result.free, result.settings["against"]) == (free, free or names[0])
+
+
+def test_without_the_free_receiver_nothing_is_said_of_it(trips: list[Trajectory]) -> None:
+    alone = replace(SETTINGS, evaluation=replace(SHARED, free=None), protocols=("recorded",))
+    for row in compare(trips, CANDIDATES[:1], alone).tracking:
+        names = ("free_p90_m", "free_matched_rate_hz", "p99_over_free", "p90_over_free_low")
+        assert set(row.picked(names).values()) == {None}
+        assert row.baseline_p90_m == row.p90_m
+
+
+def test_the_free_receiver_at_its_own_rate_is_itself(compared: ComparisonResult) -> None:
+    rows = [row for row in compared.tracking if row.candidate == "free"]
+    assert rows
+    for row in rows:
+        assert row.p90_m == row.free_p90_m == row.free_matched_p90_m
+        assert row.message_rate_hz == row.free_rate_hz == row.free_matched_rate_hz
+        if row.trip == POOLED:
+            assert (row.p90_over_free, row.p90_over_free_low, row.p90_over_free_high) == (1.0, 1.0, 1.0)
+
+
 def test_differences_can_be_taken_to_any_candidate(trips: list[Trajectory]) -> None:
     settings = replace(SETTINGS, against="ctra", evaluation=replace(SHARED, packet_error_ratios=()))
     result = compare(trips, CANDIDATES, settings)
@@ -268,21 +318,21 @@ def test_differences_can_be_taken_to_any_candidate(trips: list[Trajectory]) -> N
 def test_one_trip_has_no_intervals(trips: list[Trajectory]) -> None:
     result = compare(trips[:1], CANDIDATES[:2], SETTINGS)
     assert {(row.message_low, row.difference_high, row.bytes_low) for row in result.ratios} == {(None,) * 3}
-    assert {(row.p90_low, row.p99_high) for row in result.tracking} == {(None, None)}
+    assert {(row.p90_low, row.p99_over_free_high) for row in result.tracking} == {(None, None)}
 
 
 def test_the_same_seed_gives_the_same_result(trips: list[Trajectory], compared: ComparisonResult) -> None:
     steps: list[tuple[int, int]] = []
     again = compare(trips, CANDIDATES, SETTINGS, progress=lambda done, total: steps.append((done, total)))
     assert again == compared
-    assert steps == [(at + 1, 18) for at in range(18)]
+    assert steps == [(at + 1, 24) for at in range(24)]
 
 
 def test_mistakes_are_named(trips: list[Trajectory]) -> None:
     short = replace(trips[0], trip_id="short/1")
     tiny = Trajectory("tiny/1", short.t_s[:5], short.position_m[:5], segments=np.array([0, 5]), dt_s=0.1)
     result = compare([trips[0], tiny], CANDIDATES, SETTINGS)
-    assert result.failures == {"tiny/1": "its longest part has 5 samples, a window needs 10: record longer"}
+    assert result.failures == {"tiny/1": "its longest part has 5 samples, a window needs 13: record longer"}
     for given, candidates, settings, said in (
         ([tiny], CANDIDATES, SETTINGS, "no usable trip .tiny/1"),
         (trips, (), SETTINGS, "at least one candidate"),
@@ -292,7 +342,7 @@ def test_mistakes_are_named(trips: list[Trajectory]) -> None:
             trips,
             CANDIDATES,
             replace(SETTINGS, against="gp"),
-            "no candidate is named 'gp'; there are cv, ctra",
+            "no candidate is named 'gp'; there are cv, ctra, paper, free",
         ),
     ):
         with pytest.raises(ConfigError, match=said):
@@ -364,7 +414,7 @@ def test_trips_that_never_had_a_track_give_no_quantiles() -> None:
 def test_pooled_rows_come_for_every_threshold_and_loss(compared: ComparisonResult) -> None:
     pooled = [row for row in compared.tracking if row.trip == POOLED]
     keys = {(row.candidate, row.protocol, row.threshold_m, row.packet_error_ratio) for row in pooled}
-    assert len(pooled) == len(keys) == 3 * 2 * 2 * 2
+    assert len(pooled) == len(keys) == 4 * 2 * 2 * 2
     assert {row.reference for row in compared.references} == {
         "cam",
         "clairvoyant-1",

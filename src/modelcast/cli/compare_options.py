@@ -55,8 +55,11 @@ class CompareOptions:
     protocol
         'recorded', 'sensor', 'auto', or several after one another, as in 'modelcast evaluate'.
     against
-        Candidate that all are held against beside the baseline, 'free' for the best receiver of plain
-        messages where that is compared; the first where not given.
+        Candidate that all are held against beside the baseline; the free receiver where not given, or the
+        first where that is left out.
+    free
+        Run the free receiver beside all banks: plain messages whose receiver coasts their acceleration and
+        turn as well, at the same threshold and at the rate of each.
     route_by
         How trips are told apart into routes: 'auto' by the ground they drove over and the platoon they drove
         in, or one route a 'file' or a 'trip'.
@@ -113,6 +116,7 @@ class CompareOptions:
     per: Numbers = (0.0, 0.2, 0.4, 0.6)
     protocol: _Protocols = ("recorded", "sensor")
     against: str | None = None
+    free: bool = True
     route_by: Literal["auto", "file", "trip"] = "auto"
     resample_by: Literal["trip", "route"] = "trip"
     resamples: Count = 2000
@@ -179,6 +183,7 @@ class CompareOptions:
         from modelcast.study.compare.settings import CompareSettings
 
         shared = EvaluateOptions(
+            profile=self.profile,
             threshold=self.threshold,
             per=() if self.rates_only else self.per,
             seeds=self.seeds,
@@ -196,9 +201,12 @@ class CompareOptions:
             sensor=self.sensor,
             policy=self.policy,
         )
+        evaluation = shared.settings()
+        if not self.free:
+            evaluation = replace(evaluation, free=None)
         try:
             return CompareSettings(
-                shared.settings(),
+                evaluation,
                 self.sensor.protocols(self.protocol),
                 against=self.against,
                 route_by=self.route_by,

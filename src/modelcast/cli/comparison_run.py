@@ -15,6 +15,7 @@ from modelcast.cli.reading import TripSource
 from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.comparison import ComparisonJob, pool_comparison, why_not_shared
 from modelcast.io.manifest import require_replaceable
+from modelcast.study.compare.free import with_free
 from modelcast.study.compare.result import ComparisonResult
 from modelcast.study.compare.run import checked_reference, compare
 
@@ -85,7 +86,8 @@ def compared(asked: Comparison, out: Path, *, quiet: bool) -> Generator[Comparis
             f"--cluster says where a corpus is worked on: what the bootstrap resamples is --resample-by "
             f"{asked.where.cluster}"
         )
-    settings, candidates = asked.options.settings(), asked.options.candidates()
+    settings = asked.options.settings()
+    candidates = with_free(asked.options.candidates(), settings.evaluation)
     checked_reference(candidates, settings)
     source = asked.source()
     require_replaceable(out.resolve(), "compare", shown=f"--out {out}")
@@ -103,7 +105,7 @@ def compared(asked: Comparison, out: Path, *, quiet: bool) -> Generator[Comparis
         return
     options = asked.options
     key = job_key({**options.as_plain(), "trip": asked.trip}, options.files, options.foreign)
-    job = ComparisonJob(tuple(candidates), settings, pattern=asked.trip, asked=key)
+    job = ComparisonJob(candidates, settings, pattern=asked.trip, asked=key)
     with corpus_parts(corpus, job, out, asked.where.executor(), quiet=quiet) as outcome:
         failures = {f"partition {name}": reason for name, reason in outcome.failures.items()}
         yield pool_comparison(outcome, job, failures=failures, skipped={})

@@ -24,6 +24,7 @@ from modelcast.corpora.job import AbstractJob, TripFailures, read_failures
 from modelcast.corpora.running import Outcome
 from modelcast.io.table_files import read_table, write_table
 from modelcast.study.compare.candidate import AbstractCandidate
+from modelcast.study.compare.free import free_name
 from modelcast.study.compare.result import (
     COUNTS,
     RATIOS,
@@ -37,7 +38,7 @@ from modelcast.study.compare.result import (
 from modelcast.study.compare.run import checked_reference
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.compare.stage import baseline_messages, ratios_of_references, stage_trips, too_short
-from modelcast.study.compare.table import Resamples, ratio_rows, rival_rows
+from modelcast.study.compare.table import Resamples, ratio_rows, rivals_rows
 from modelcast.study.compare.trial import candidate_row, run_trial
 from modelcast.study.context import reads_context
 from modelcast.study.reference import count_references
@@ -111,8 +112,10 @@ class ComparisonJob(AbstractJob):
 
     Parameters
     ----------
-    candidates, settings
-        As for `modelcast.study.compare.run.compare`; `why_not_shared` has nothing against them.
+    candidates
+        As `modelcast.study.compare.free.with_free` gives them; `why_not_shared` has nothing against them.
+    settings
+        As for `modelcast.study.compare.run.compare`.
     pattern
         Trips whose identifier matches this shell pattern are taken.
     asked
@@ -205,7 +208,7 @@ def pool_comparison(
         Where a part is damaged.
     """
     settings, candidates = job.settings, job.candidates
-    against = checked_reference(candidates, settings)
+    against, free = checked_reference(candidates, settings), free_name(candidates, settings.evaluation)
     found, failed = _Tables(), dict(failures)
     for part in outcome.parts:
         found.add(_Tables.read(part.folder))
@@ -227,7 +230,7 @@ def pool_comparison(
     clusters = np.arange(len(places), dtype=np.int64)
     resamples = Resamples.drawn(clusters, settings.resamples, settings.evaluation.seed)
     return ComparisonResult(
-        {**settings.as_plain(), "against": against},
+        {**settings.as_plain(), "against": against, "free": free},
         routes=ROUTES.table(
             ROUTES.row(route=at, name=row.trip, trips=1, duration_s=row.duration_s)
             for at, row in enumerate(found.trips)
@@ -237,7 +240,7 @@ def pool_comparison(
         ratios=RATIOS.table(ratio_rows(counts, against, resamples)),
         tracking=TRACKING_RATIOS.table(),
         counts=COUNTS.table(counts),
-        rivals=RIVAL_RATIOS.table(rival_rows(counts, against, resamples)),
+        rivals=RIVAL_RATIOS.table(rivals_rows(counts, against, free, resamples)),
         references=REFERENCE_RATIOS.table(_references(found, settings)),
         failures=dict(sorted(failed.items())),
         skipped=skipped,

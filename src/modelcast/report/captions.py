@@ -1,5 +1,7 @@
 """What each figure of the report shows, with the definitions a reader needs."""
 
+from collections.abc import Sequence
+
 from modelcast.report.figures.panels import MOST_READINGS
 from modelcast.report.headline import (
     detail_threshold_m,
@@ -8,6 +10,7 @@ from modelcast.report.headline import (
     sender_label,
     thresholds_m,
 )
+from modelcast.report.model_words import sub_model_words
 from modelcast.report.senders import BASELINE_WORDS, free_words, is_free_receiver
 from modelcast.study.result import EvaluationResult
 from modelcast.study.rules import FREE_RECEIVER
@@ -80,13 +83,14 @@ def captions(result: EvaluationResult) -> dict[str, str]:
             f"Error of every sub-model fitted at the last update{detail}, before the instant's message and "
             "without loss, cut off above 2.5 thresholds. Below, a strip is coloured while its sub-model "
             "stays under the threshold and grey while it fails, then come the sub-model in use and the "
-            "messages sent."
+            f"messages sent.{_told(() if result.timeline is None else result.timeline.members)}"
         ),
         "manoeuvre": (
             "The true path and the one each sub-model predicts from the start on, fitted to the samples "
             "before it; the map is cut to the true path, and a cross marks "
             f"where the error first reaches the threshold{_of(detail_m)}. On the "
             "right, the same errors against time, up to four thresholds."
+            f"{_told(() if result.manoeuvre is None else list(result.manoeuvre.predicted_m))}"
         ),
         "trips": (
             f"Message rate without loss, and 90th percentile of the PTE after the instant's message under "
@@ -103,7 +107,13 @@ def _rivals(result: EvaluationResult) -> str:
         return f"{baseline}. {sender_label(result)} is the free receiver itself here"
     if not any(row.policy == FREE_RECEIVER for row in (*result.rates, *result.tracking)):
         return baseline
-    return f"{baseline}; the free receiver: {free_words(result)}"
+    return f"{baseline}; the free receiver: {free_words(result.settings)}"
+
+
+def _told(members: Sequence[str]) -> str:
+    """What the sub-models of a figure are."""
+    words = sub_model_words(members)
+    return f" Sub-models: {words}." if words else ""
 
 
 def _thinned(thresholds: int) -> str:

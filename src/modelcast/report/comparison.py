@@ -1,32 +1,58 @@
-"""A comparison for people: the table, as Markdown and for the terminal, and the figure's files."""
+"""A comparison as Markdown, as a page, and for the terminal."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Group, RenderableType
 
-from modelcast.core.cells import Cells, markdown
+from modelcast.core.cells import Cells, escape, markdown
+from modelcast.core.version import package_version
+from modelcast.report.comparison_findings import comparison_findings
+from modelcast.report.comparison_rows import (
+    candidate_rows,
+    loss_ratios,
+    pooled_rows,
+    protocols,
+    rival_rows_of,
+    thresholds_m,
+    worst_rows,
+)
+from modelcast.report.comparison_tables import (
+    counted_over,
+    listed_values,
+    number,
+    protocol_tables,
+    shown_name,
+    shown_rivals,
+)
 from modelcast.report.console import failures_table, left_out_text, skipped_lines, warning_texts
-from modelcast.report.console_table import console_table
-from modelcast.report.figures.comparison import plot_comparison, rival_rows_of, worst_rows
-from modelcast.report.figures.files import drawn, write_report_files
+from modelcast.report.console_table import ConsoleTable, console_table
+from modelcast.report.figures.comparison import plot_comparison
+from modelcast.report.figures.files import Drawing, drawn, write_report_files
 from modelcast.report.literal import Prose, literal
+from modelcast.report.page import CSS, embedded_figure, page
+from modelcast.report.ratio_words import counted
+from modelcast.report.settings_section import settings_section
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warnings import warning_lines
 from modelcast.study.compare.result import CandidateRow, ComparisonResult
+from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.loss_ratios import nearest_ratio
 from modelcast.study.rules import MODEL_SENDER
 from modelcast.study.table import Row
-from modelcast.study.wording import centimetres
 
-__all__ = ["comparison_console", "comparison_markdown", "scope_line", "write_comparison_report"]
-
-_MISSING = "-"
+__all__ = [
+    "comparison_console",
+    "comparison_markdown",
+    "comparison_page",
+    "scope_line",
+    "write_comparison_report",
+]
 
 
 def write_comparison_report(result: ComparisonResult, folder: str | Path) -> list[Path]:
-    """Write ``table.md`` and the figure ``comparison`` as PNG, SVG and PDF; return their paths.
+    """Write ``table.md``, ``report.html`` and the figure ``comparison``; return their paths.
 
     Parameters
     ----------
@@ -37,15 +63,23 @@ def write_comparison_report(result: ComparisonResult, folder: str | Path) -> lis
     """
     with style():
         drawing = drawn("comparison", plot_comparison(result))
-    return write_report_files({"table.md": comparison_markdown(result)}, [drawing], folder)
+    texts = {"table.md": comparison_markdown(result), "report.html": comparison_page(result, drawing)}
+    return write_report_files(texts, [drawing], folder)
 
 
 def _training_lines(result: ComparisonResult) -> list[str]:
     return training_note([trip.id for trip in result.trips if trip.in_training], len(result.trips))
 
 
+def _route_lines(result: ComparisonResult) -> list[str]:
+    return [
+        f"route {row.route}: {row.name}, {counted(row.trips, 'trip')}, {row.duration_s:.0f} s"
+        for row in result.routes
+    ]
+
+
 def comparison_markdown(result: ComparisonResult) -> str:
-    """Return the table of a comparison as Markdown, one part a protocol.
+    """Return what was found, and the tables of a comparison as Markdown, one part a protocol.
 
     Parameters
     ----------
@@ -55,22 +89,16 @@ def comparison_markdown(result: ComparisonResult) -> str:
     told = warning_lines((trip.id, trip.warnings) for trip in result.trips)
     lines = [f"- **Warning**: {markdown(line)}" for line in told] + ([""] if told else [])
     lines += [markdown(scope_line(result)), ""]
+    for title, text in comparison_findings(result):
+        lines += [f"**{title}.** {markdown(text)}", ""]
     lines += [text for line in _training_lines(result) for text in (markdown(line), "")]
-    lines += [
-        f"- route {row.route}: {markdown(row.name)}, {_counted(row.trips, 'trip')}, {row.duration_s:.0f} s"
-        for row in result.routes
-    ]
-    for protocol in _protocols(result):
-        lines += [
-            "",
-            f"### {protocol}",
-            "",
-            _LEGEND.format(against=_against(result), basis=result.settings.get("rate_basis", "total")),
-            "",
-        ]
-        lines += _full_table(result, protocol).markdown()
+    lines += [f"- {markdown(line)}" for line in _route_lines(result)]
+    for protocol in protocols(result):
+        lines += ["", f"### {protocol}"]
+        for table in protocol_tables(result, protocol):
+            head = f"**{markdown(table.title)}.** {markdown(table.legend)}"
+            lines += ["", head, "", *table.cells.markdown()]
         lines += _reference_lines(result, protocol)
-        lines += _rival_lines(result, protocol)
     left_out = [*sorted(result.failures.items()), *sorted(result.skipped.items())]
     if left_out:
         lines += ["", "Left out:", ""]
@@ -78,81 +106,54 @@ def comparison_markdown(result: ComparisonResult) -> str:
     return "\n".join(lines) + "\n"
 
 
-_RIVAL_LEGEND = (
-    "Messages, bytes and airtime over those of `{rival}`, with the same intervals; trips times thresholds "
-    "with more than max(1.05 x `{rival}`, `{rival}` + 5) messages, and the trip with the most beyond that "
-    "bound."
+_CAPTION = (
+    "A row of panels for each protocol and rival. Two panels at the left: messages and airtime at the same "
+    "threshold without loss, ratios of sums over all trips. Then the 90th percentile of the tracking error "
+    "over the rival's, at the worst threshold: first where all run at the same threshold, then where all "
+    "send as often as the candidate, against the harder of both equal-rate baselines. Thin bars are 95 % "
+    "bootstrap intervals over the trips; banks of several sub-models are dashed."
 )
 
 
-def _rival_lines(result: ComparisonResult, protocol: str) -> list[str]:
-    """Return the table over the candidate compared against; nothing where that is the baseline."""
-    if result.rival is None:
-        return []
-    thresholds = _thresholds(result)
-    heads = ["candidate", *(f"messages, {text}" for text in thresholds)]
-    heads += ["bytes, " + " / ".join(thresholds), *(f"airtime, {text}" for text in thresholds)]
-    heads += ["over the bound", "worst trip"]
-    cells: list[list[str]] = []
-    for candidate in result.candidates:
-        rows = rival_rows_of(result, candidate.name, protocol)
-        own = [_shown_name(candidate), *_limited(rows, "message"), _listed(rows, "bytes_ratio")]
-        cells.append([*own, *_limited(rows, "airtime"), *_over_the_bound(rows)])
-    return ["", _RIVAL_LEGEND.format(rival=result.rival), "", *Cells(heads, cells, 1).markdown()]
+def comparison_page(result: ComparisonResult, drawing: Drawing) -> str:
+    """Return a comparison as one HTML document.
 
-
-_LEGEND = (
-    "Messages, bytes and airtime over the baseline's at the same threshold, ratios of sums with 95 % "
-    "bootstrap intervals over the trips; difference of the message ratio to `{against}`; 90th and 99th "
-    "percentile of the tracking error over the harder baseline's at equal {basis} rate, worst threshold, at "
-    "each packet error ratio; trips times thresholds with more than max(1.02 x baseline, baseline + 3) "
-    "messages, and the trip with the most beyond that bound."
-)
-
-
-def _full_table(result: ComparisonResult, protocol: str) -> Cells:
-    """Return headings and cells with every interval."""
-    thresholds = _thresholds(result)
-    losses = " / ".join(f"{100 * ratio:g}" for ratio in _ratios(result))
-    heads = ["candidate", *(f"messages, {text}" for text in thresholds)]
-    heads += ["difference, " + " / ".join(thresholds), "bytes, " + " / ".join(thresholds)]
-    heads += [f"airtime, {text}" for text in thresholds]
-    heads += [f"p90 at PER {losses} %", f"p99 at PER {losses} %"] if losses else []
-    heads += ["over the bound", "worst trip"]
-    cells: list[list[str]] = []
-    for candidate in result.candidates:
-        rows = _rows(result, candidate, protocol)
-        own = [_shown_name(candidate), *_limited(rows, "message")]
-        own += ["; ".join(_signed(row) for row in rows), _listed(rows, "bytes_ratio")]
-        own += _limited(rows, "airtime")
-        own += [_worst(result, candidate, protocol, percentile) for percentile in (90, 99) if losses]
-        cells.append([*own, *_over_the_bound(rows)])
-    return Cells(heads, cells, 1)
-
-
-def _limited(rows: Sequence[Row], name: str) -> list[str]:
-    """Ratios of messages, bytes or airtime with their intervals."""
-    ends = [row.picked((f"{name}_ratio", f"{name}_low", f"{name}_high")) for row in rows]
-    return [_with_limits(*one.values()) for one in ends]
-
-
-def _listed(rows: Sequence[Row], name: str) -> str:
-    return " / ".join(f"{getattr(row, name):.2f}" for row in rows)
-
-
-def _counted_over(rows: Sequence[Row]) -> str:
-    return f"{sum(row.trips_over for row in rows)} of {sum(row.trips for row in rows)}"
-
-
-def _over_the_bound(rows: Sequence[Row]) -> list[str]:
-    """How many trips times thresholds are over the bound, and the worst of them."""
-    worst = max(rows, key=lambda row: row.worst_excess)
-    at = centimetres(worst.threshold_m)
-    return [_counted_over(rows), f"{worst.worst_trip}, {worst.worst_ratio:.2f} at {at}"]
+    Parameters
+    ----------
+    result
+        The comparison.
+    drawing
+        Its figure.
+    """
+    warned = warning_lines((trip.id, trip.warnings) for trip in result.trips)
+    body = [
+        "<h1>Candidates side by side</h1>",
+        f'<p class="scope">{escape(scope_line(result))}. modelcast {escape(package_version())}.</p>',
+        *(
+            f'<p class="finding"><strong>{escape(title)}.</strong> {escape(text)}</p>'
+            for title, text in comparison_findings(result)
+        ),
+        *(f'<p class="note">warning: {escape(line)}.</p>' for line in warned),
+        *(f'<p class="note">{escape(line)}.</p>' for line in _training_lines(result)),
+        embedded_figure(drawing, 1, "Every candidate beside its rivals", _CAPTION),
+    ]
+    for protocol in protocols(result):
+        body.append(f"<h2>Protocol {escape(protocol)}</h2>")
+        for table in protocol_tables(result, protocol):
+            body += [f"<h3>{escape(table.title)}</h3>", table.cells.html()]
+            body.append(f'<p class="note">{escape(table.legend)}</p>')
+        body += [f'<p class="note">{escape(line)}</p>' for line in _reference_lines(result, protocol) if line]
+    routes = "".join(f"<li>{escape(line)}</li>" for line in _route_lines(result))
+    body += ["<h2>Routes</h2>", f"<ul>{routes}</ul>"]
+    left_out = [*sorted(result.failures.items()), *sorted(result.skipped.items())]
+    if left_out:
+        body += ["<h2>Left out</h2>", Cells(["what", "why"], left_out).html()]
+    body += ["<h2>Settings</h2>", settings_section(result.settings, CompareSettings().as_plain())]
+    return page("modelcast: candidates side by side", CSS, body)
 
 
 def comparison_console(result: ComparisonResult) -> RenderableType:
-    """Return a short table a protocol: lowest and highest threshold, one loss ratio, no intervals.
+    """Return what was found, and short tables: lowest and highest threshold, one loss ratio, no intervals.
 
     Parameters
     ----------
@@ -161,54 +162,79 @@ def comparison_console(result: ComparisonResult) -> RenderableType:
     """
     parts = warning_texts((trip.id, trip.warnings) for trip in result.trips)
     parts += [Prose(line) for line in (scope_line(result), *_training_lines(result))]
-    thresholds_m = _thresholds_m(result)
-    shown_m = sorted({thresholds_m[0], thresholds_m[-1]}) if thresholds_m else []
-    ratio = nearest_ratio(_ratios(result))
-    at = None if ratio is None else _ratios(result).index(ratio)
-    levels = " / ".join(f"{100 * item:g}" for item in shown_m)
-    heads = ["candidate", *(f"{head}\n{levels} cm" for head in ("messages", "bytes", "airtime"))]
-    for protocol in _protocols(result):
-        rows = [_short_cells(result, candidate, protocol, shown_m, at) for candidate in result.candidates]
-        losses = [] if ratio is None else [f"p90 / p99\nPER {100 * ratio:g} %"]
-        own = [*heads, *losses, "trips over\nthe bound"]
-        parts.append(console_table(Cells(own, rows, 1), f"Over the baseline, {protocol}"))
-        if result.rival is not None:
-            rows = [
-                [
-                    _shown_name(candidate),
-                    *_short_ratios(found, shown_m),
-                    _counted_over(found),
-                ]
-                for candidate in result.candidates
-                for found in (rival_rows_of(result, candidate.name, protocol),)
-            ]
-            over = Cells([*heads, "trips over\nits bound"], rows, 1)
-            parts.append(console_table(over, f"Over {result.rival}, {protocol}"))
+    for title, text in comparison_findings(result):
+        parts += [literal(""), Prose(f"{title}: {text}")]
+    parts.append(literal(""))
+    for protocol in protocols(result):
+        parts += _short_tables(result, protocol)
     parts += [literal(line) for line in skipped_lines(result.skipped)]
     if result.failures:
         parts.append(failures_table(result.failures))
     return Group(*parts)
 
 
-def _short_ratios(rows: Sequence[Row], shown_m: Sequence[float]) -> list[str]:
-    shown = [row for row in rows if row.threshold_m in shown_m]
-    return [_listed(shown, name) for name in ("message_ratio", "bytes_ratio", "airtime_ratio")]
+def _short_tables(result: ComparisonResult, protocol: str) -> list[ConsoleTable]:
+    """The tables of one protocol for the terminal, each of one reading."""
+    known_m = thresholds_m(result)
+    shown_m = sorted({known_m[0], known_m[-1]})
+    levels = " / ".join(f"{100 * item:g}" for item in shown_m)
+    names = ["baseline", *("free" if name == result.free else name for name in shown_rivals(result))]
+    heads = [f"{what}\n/ {name}" for what in ("messages", "airtime") for name in names]
+    rows = [
+        [
+            shown_name(candidate),
+            *_short_ratios(result, candidate, protocol, shown_m),
+            counted_over(candidate_rows(result, candidate.name, protocol)),
+        ]
+        for candidate in result.candidates
+    ]
+    title = f"Same threshold, {protocol}, without loss ({levels} cm)"
+    tables = [console_table(Cells(["candidate", *heads, "trips over\nthe bound"], rows, 1), title)]
+    ratio = nearest_ratio(loss_ratios(result))
+    if ratio is None:
+        return tables
+    whose = [("", "own"), ("baseline_", "baseline")]
+    if result.free is not None:
+        whose.insert(1, ("free_", "free"))
+    heads = [f"{name}\n{what}" for what in ("1/s", "p90") for _, name in whose]
+    rows = []
+    for candidate in result.candidates:
+        found = _shown(pooled_rows(result, candidate.name, protocol, ratio), shown_m)
+        sent = [listed_values(found, f"{prefix or 'message_'}rate_hz") for prefix, _ in whose]
+        rows.append(
+            [shown_name(candidate), *sent, *(listed_values(found, f"{prefix}p90_m") for prefix, _ in whose)]
+        )
+    lost = f"{protocol}, {100 * ratio:g} % lost"
+    title = f"Same threshold, {lost}: messages per second, p90 of the error in metres ({levels} cm)"
+    tables.append(console_table(Cells(["candidate", *heads], rows, 1), title))
+    figures = {"p90": "p90\n/ baseline", "p99": "p99\n/ baseline"}
+    if result.free is not None:
+        figures |= {"p90_over_free": "p90\n/ free", "p99_over_free": "p99\n/ free"}
+    at = loss_ratios(result).index(ratio)
+    rows = [
+        [
+            shown_name(candidate),
+            *(number(worst_rows(result, candidate.name, protocol, figure)[at][0]) for figure in figures),
+        ]
+        for candidate in result.candidates
+    ]
+    basis = result.settings.get("rate_basis", "total")
+    title = f"Same {basis} rate as the candidate, {lost}: error over its rivals', worst threshold"
+    return [*tables, console_table(Cells(["candidate", *figures.values()], rows, 1), title)]
 
 
-def _short_cells(
-    result: ComparisonResult,
-    candidate: CandidateRow,
-    protocol: str,
-    shown_m: Sequence[float],
-    at: int | None,
+def _short_ratios(
+    result: ComparisonResult, candidate: CandidateRow, protocol: str, shown_m: Sequence[float]
 ) -> list[str]:
-    """Return a candidate's cells for the terminal; `at` is the place of the loss ratio shown."""
-    rows = _rows(result, candidate, protocol)
-    cells = [_shown_name(candidate), *_short_ratios(rows, shown_m)]
-    if at is not None:
-        found = (worst_rows(result, candidate.name, protocol, percentile)[at] for percentile in (90, 99))
-        cells.append(" / ".join(_number(value) for value in found))
-    return [*cells, _counted_over(rows)]
+    """Messages over each rival's, then airtime."""
+    each = [candidate_rows(result, candidate.name, protocol)]
+    each += [rival_rows_of(result, candidate.name, protocol, rival) for rival in shown_rivals(result)]
+    found = [_shown(rows, shown_m) for rows in each]
+    return [listed_values(rows, name) for name in ("message_ratio", "airtime_ratio") for rows in found]
+
+
+def _shown(rows: Sequence[Row], shown_m: Sequence[float]) -> list[Row]:
+    return [row for row in rows if row.threshold_m in shown_m]
 
 
 def scope_line(result: ComparisonResult) -> str:
@@ -217,8 +243,8 @@ def scope_line(result: ComparisonResult) -> str:
     sender = result.settings.get("decided_by", MODEL_SENDER)
     decides = "" if sender == MODEL_SENDER else f"; {sender} decides when the candidates send"
     return (
-        f"{_counted(len(result.trips), 'trip')}, {hours:.2f} h, {_counted(len(result.routes), 'route')}; "
-        f"{_counted(len(result.candidates), 'candidate')}, seed {result.settings.get('seed')}{decides}"
+        f"{counted(len(result.trips), 'trip')}, {hours:.2f} h, {counted(len(result.routes), 'route')}; "
+        f"{counted(len(result.candidates), 'candidate')}, seed {result.settings.get('seed')}{decides}"
         f"{left_out_text(result.failures, result.skipped)}"
     )
 
@@ -233,54 +259,3 @@ def _reference_lines(result: ComparisonResult, protocol: str) -> list[str]:
         return []
     text = "; ".join(f"`{name}` {' / '.join(values)}" for name, values in found.items())
     return ["", f"References, messages over the baseline's: {text}."]
-
-
-def _rows(result: ComparisonResult, candidate: CandidateRow, protocol: str) -> list[Row]:
-    own = (row for row in result.ratios if (row.candidate, row.protocol) == (candidate.name, protocol))
-    return sorted(own, key=lambda row: row.threshold_m)
-
-
-def _worst(result: ComparisonResult, candidate: CandidateRow, protocol: str, percentile: int) -> str:
-    found = worst_rows(result, candidate.name, protocol, percentile)
-    return " / ".join(_number(value) for value in found)
-
-
-def _number(value: float) -> str:
-    return _MISSING if value != value else f"{value:.2f}"  # noqa: PLR0124  NaN
-
-
-def _with_limits(value: float, low: float | None, high: float | None, form: str = ".2f") -> str:
-    interval = "" if low is None or high is None else f" [{low:{form}}, {high:{form}}]"
-    return f"{value:{form}}{interval}"
-
-
-def _signed(row: Row) -> str:
-    return _with_limits(row.difference, row.difference_low, row.difference_high, "+.2f")
-
-
-def _shown_name(candidate: CandidateRow) -> str:
-    return f"{candidate.name} (trained)" if candidate.is_trained else candidate.name
-
-
-def _protocols(result: ComparisonResult) -> list[str]:
-    return list(dict.fromkeys(row.protocol for row in result.ratios))
-
-
-def _thresholds_m(result: ComparisonResult) -> list[float]:
-    return sorted({row.threshold_m for row in result.ratios})
-
-
-def _thresholds(result: ComparisonResult) -> list[str]:
-    return [centimetres(item) for item in _thresholds_m(result)]
-
-
-def _ratios(result: ComparisonResult) -> list[float]:
-    return sorted({row.packet_error_ratio for row in result.tracking})
-
-
-def _against(result: ComparisonResult) -> str:
-    return str(result.settings.get("against"))
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -4,14 +4,12 @@ Figures are embedded as SVG images, so that names inside two of them cannot clas
 stamp and no path; the same result gives the same bytes.
 """
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, cast
 
 from modelcast.core.cells import Cells, escape, number
 from modelcast.core.version import package_version
-from modelcast.io.output import output_folder
+from modelcast.io.output import written_into
 from modelcast.report.captions import PROTOCOLS, TITLES, captions, loss_conditions
 from modelcast.report.console import scope_line, training_lines
 from modelcast.report.figures import Drawing, draw_figures
@@ -31,17 +29,18 @@ from modelcast.report.headline import (
     sender_label,
     shown_ratios,
 )
+from modelcast.report.model_words import velocity_words
 from modelcast.report.page import CSS, embedded_figure, page
 from modelcast.report.player import player, player_css
 from modelcast.report.scripts import PLAYBACK_SCRIPTS, script
+from modelcast.report.settings_section import settings_section
 from modelcast.report.warnings import warning_lines
 from modelcast.study.result import POOLED, EvaluationResult, HoldsEvaluation, TripRow, result_of
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.table import Row
 
 __all__ = ["report_document", "write_report"]
 
-_LONGEST_SETTING = 240
-_LABEL = re.compile(r"\blabel='([^']+)'\)$")
 _MOST_TRACKING_ROWS = 600
 """Above this, the rows of single trips are left to ``summary.json``: a browser must open the page at once."""
 
@@ -63,9 +62,8 @@ def write_report(result: EvaluationResult | HoldsEvaluation, folder: str | Path)
     """
     found = result_of(result)
     drawings = draw_figures(found)
-    with output_folder(folder) as place:
-        texts = {"report.html": report_document(found, drawings)}
-        return write_report_files(texts, drawings, place, figures="figures")
+    texts = {"report.html": report_document(found, drawings)}
+    return written_into(folder, lambda place: write_report_files(texts, drawings, place, figures="figures"))
 
 
 def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> str:
@@ -98,7 +96,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         "<h2>Tracking</h2>",
         _tracking_section(result),
         "<h2>Settings</h2>",
-        _settings_table(result.settings),
+        settings_section(result.settings, EvaluationSettings().as_plain()),
         "<h2>Not evaluated</h2>",
         _failures(result.failures),
         _skipped(result.skipped),
@@ -260,7 +258,7 @@ def _trip_table(trips: Sequence[TripRow]) -> str:
             trip.protocol,
             _pairs(trip.skipped),
             _pairs(trip.repaired),
-            trip.velocity_estimator,
+            velocity_words(trip.velocity_estimator),
             number(trip.duration_s, 5),
             number(trip.standing_s, 5),
             str(trip.samples),
@@ -298,10 +296,11 @@ def _details(title: str, rows: Sequence[Row], result: EvaluationResult) -> str:
         "seeds",
         "rate [1/s]",
         "PTE mean [m]",
-        "p50",
+        "PTE p50 [m]",
     ]
-    head += ["p90", "p90 limits", "p95", "p99", "p90 before", "p90 along", "p90 across", "over 1.5 m [%]"]
-    head += ["age p95 [s]", "left out"]
+    head += ["PTE p90 [m]", "p90, 95 % interval [m]", "PTE p95 [m]", "PTE p99 [m]"]
+    head += ["p90 before the message [m]", "p90 along the track [m]", "p90 across the track [m]"]
+    head += ["time over 1.5 m [%]", "age p95 [s]", "samples left out"]
     cells = [
         [
             "all trips" if row.trip == POOLED else row.trip,
@@ -352,43 +351,3 @@ def _conditioning_table(trips: Sequence[TripRow]) -> str:
 
 def _pairs(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{reason}: {count}" for reason, count in sorted(counts.items())) or "0"
-
-
-def _shortened(text: str) -> str:
-    """Return a setting as a line or three: a trained sub-model prints as pages of numbers."""
-    if len(text) <= _LONGEST_SETTING:
-        return text
-    return f"{text[:_LONGEST_SETTING]}\u2026 (whole in summary.json)"
-
-
-def _settings_table(settings: Mapping[str, Any]) -> str:
-    """Return the settings that are given as a table, and the names of those that are not in a line."""
-    pairs = _settings(settings)
-    table = Cells(["setting", "value"], [(name, _shortened(text)) for name, text in pairs if text]).html()
-    not_given = ", ".join(name for name, text in pairs if not text)
-    note = f'<p class="note">{escape(f"Not given: {not_given}.")}</p>' if not_given else ""
-    return f'<div class="settings">{table}</div>{note}'
-
-
-def _settings(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
-    """Return the settings as pairs of text; what is nested gets a dotted name."""
-    found: list[tuple[str, str]] = []
-    for key, value in sorted(settings.items()):
-        if isinstance(value, Mapping):
-            found += _settings(cast("Mapping[str, Any]", value), f"{prefix}{key}.")
-        elif isinstance(value, list | tuple):
-            found.append((prefix + key, ", ".join(map(_plain, cast("list[object]", value)))))
-        else:
-            found.append((prefix + key, _plain(value)))
-    return found
-
-
-def _plain(value: object) -> str:
-    """Return a value as text: numbers to four digits, a sub-model that names itself by that name."""
-    if value is None:
-        return ""
-    if isinstance(value, float):
-        return f"{value:.4g}"
-    text = str(value)
-    label = _LABEL.search(text)
-    return text if label is None else f"{label[1]} ({text.partition('(')[0]})"

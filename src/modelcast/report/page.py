@@ -1,14 +1,13 @@
 """An HTML page, with every string escaped."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, cast
+from collections.abc import Iterable, Sequence
 
-from modelcast.core.cells import Cells, escape
+from modelcast.core.cells import escape
 from modelcast.report.figures.files import Drawing
 from modelcast.report.scripts import content_policy, script, static_text
 from modelcast.report.svg_address import svg_address
 
-__all__ = ["CSS", "embedded_figure", "figure", "option_rows", "options_table", "page"]
+__all__ = ["CSS", "embedded_figure", "figure", "page"]
 
 CSS = """
 :root { color-scheme: light; }
@@ -43,6 +42,7 @@ summary { cursor: pointer; font-weight: 600; margin: .4rem 0; }
   thead { display: table-header-group; }
   table { font-size: 6.5pt; }
   th, td { padding: .1rem .25rem; }
+  td:not(.text) { white-space: normal; }
   .wide { overflow: visible; }
 }
 """
@@ -111,38 +111,3 @@ def embedded_figure(drawing: Drawing, place: int, title: str, caption: str) -> s
         f'src="{svg_address(drawing.svg)}">'
         f"<figcaption><b>Figure {place}. {escape(title)}.</b> {escape(caption)}</figcaption></figure>"
     )
-
-
-def options_table(options: Mapping[str, Any]) -> str:
-    """Return options with their values as markup.
-
-    Parameters
-    ----------
-    options
-        As plain values.
-    """
-    return Cells(["option", "value"], option_rows(options)).html()
-
-
-def option_rows(options: Mapping[str, Any], prefix: str = "") -> list[list[str]]:
-    """Return options as rows of name and value; what is nested gets a dotted name.
-
-    Parameters
-    ----------
-    options
-        As plain values.
-    prefix
-        Put before every name.
-
-    Examples
-    --------
-    >>> option_rows({"seed": 0, "sensor": {"name": "ins"}})
-    [['seed', '0'], ['sensor.name', 'ins']]
-    """
-    rows: list[list[str]] = []
-    for name, value in options.items():
-        if isinstance(value, Mapping):
-            rows += option_rows(cast("Mapping[str, Any]", value), f"{prefix}{name}.")
-        else:
-            rows.append([f"{prefix}{name}", str(value)])
-    return rows

@@ -3,54 +3,29 @@
 A result of an older modelcast, whose settings do not say so, is told as that of a bank of models.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
+from typing import Any
 
 from modelcast.report.headline import sender_label
+from modelcast.report.model_words import coasting
 from modelcast.study.result import EvaluationResult
 from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 
-__all__ = ["BASELINE_WORDS", "coasting", "expecting", "free_words", "is_free_receiver", "sender_words"]
+__all__ = ["BASELINE_WORDS", "expecting", "free_words", "is_free_receiver", "sender_words"]
 
 BASELINE_WORDS = "plain messages, coasted at constant velocity"
 """What the baseline is."""
 
-_COASTING = {
-    "cv": "at constant velocity",
-    "stop-and-go": "by the stop-and-go switch, a steady pace or a short change of it",
-    "ca": "with their acceleration too",
-    "ctra": "with their acceleration and turn as well",
-    "free": "with their acceleration and turn as well",
-}
-"""How a plain message is coasted, by the name of the sub-model."""
 
-
-def coasting(names: Sequence[str]) -> str:
-    """Return how plain messages are coasted, by sub-models of these names.
-
-    Parameters
-    ----------
-    names
-        Of the bank that coasts them.
-
-    Examples
-    --------
-    >>> coasting(["cv"]), coasting(["kerb"])
-    ('at constant velocity', 'by kerb')
-    """
-    if len(names) == 1 and names[0] in _COASTING:
-        return _COASTING[names[0]]
-    return f"by {' or '.join(names)}"
-
-
-def free_words(result: EvaluationResult) -> str:
+def free_words(settings: Mapping[str, Any]) -> str:
     """Return what the free receiver is.
 
     Parameters
     ----------
-    result
-        An evaluation that ran it.
+    settings
+        Of an evaluation or a comparison that ran it, as plain values.
     """
-    return f"plain messages, coasted {coasting(result.settings.get('free_names') or [FREE_RECEIVER])}"
+    return f"plain messages, coasted {coasting(settings.get('free_names') or [FREE_RECEIVER])}"
 
 
 def is_free_receiver(result: EvaluationResult) -> bool:

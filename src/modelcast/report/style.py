@@ -44,7 +44,7 @@ POLICY_COLOURS = {
     "baseline-matched": "#d55e00",
     "baseline-periodic": "#009e73",
     "free": "#cc79a7",
-    "free-matched": "#8c3a6b",
+    "free-matched": "#cc79a7",
 }
 IDENTIFICATION_COLOUR = "#56b4e9"
 POLICY_LINES = {

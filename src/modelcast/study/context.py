@@ -94,16 +94,20 @@ def trip_runtimes(
     ]
 
 
-def free_runtime(case: TripCase, settings: EvaluationSettings, sensed: Sensed) -> TripRuntime | None:
+def free_runtime(case: TripCase, bank: Bank | None, sensed: Sensed, *, quantised: bool) -> TripRuntime | None:
     """The runtime of the free receiver's sender; None where it is not run.
 
     Parameters
     ----------
-    case, settings
-        The trip, and who is run.
+    case
+        The trip.
+    bank
+        The free receiver's, or None.
     sensed
         What `sense_trip` made of the trip.
+    quantised
+        Whether sender and host predict with what a message can say.
     """
-    if settings.rival is None:
+    if bank is None:
         return None
-    return TripRuntime(case.seen, settings.rival, case.estimator, quantised=settings.quantised, sensed=sensed)
+    return TripRuntime(case.seen, bank, case.estimator, quantised=quantised, sensed=sensed)

@@ -130,7 +130,7 @@ def evaluate_trip(
     sensed = sense_trip(case.seen, case.estimator, quantised=quantised)
     mbc, each = trip_runtimes(case, settings, sensed, *known)
     baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator, quantised=quantised, sensed=sensed)
-    free = free_runtime(case, settings, sensed)
+    free = free_runtime(case, settings.rival, sensed, quantised=quantised)
     found.trips.append(_trip_row(case, settings))
     counted = count_rates(case, mbc, baseline, settings)
     beside = [] if free is None else count_free(case, free, settings)

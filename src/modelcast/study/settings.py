@@ -313,12 +313,14 @@ class EvaluationSettings:
     @property
     def all_training_trips(self) -> frozenset[str]:
         """Fingerprints of the trips that the bank or the free receiver was trained on."""
-        if self.rival is None:
-            return self.training_trips
+        return self.training_trips if self.rival is None else self.training_trips | self.free_training_trips
+
+    @property
+    def free_training_trips(self) -> frozenset[str]:
+        """Fingerprints of the trips that the free receiver's bank was trained on."""
         if self.free_trained_on is not None:
-            return self.training_trips | self.free_trained_on
-        shipped = default_profile().training_trips if self.rival == free_bank() else ()
-        return self.training_trips | frozenset(shipped)
+            return self.free_trained_on
+        return frozenset(default_profile().training_trips if self.free == free_bank() else ())
 
     @property
     def selector_in_use(self) -> Selector | None:

@@ -163,9 +163,7 @@ def run_tracking(
         walks = walks_under_loss(mbc, settings, threshold_m)
         own, *rivals = runs.contended(mbc, walks, settings, threshold_m, RATE_BASES)
         yield own
-        yield runs.walked(
-            baseline, [baseline.run(policy)], Contender("baseline", baseline.bank.name, None, threshold_m)
-        )
+        yield runs.at_threshold(policy)
         yield from rivals
         if beside is not None:
             sent = walks_under_loss([beside.ready], settings.of_free, threshold_m)
@@ -316,6 +314,18 @@ class LossRuns:
         own = [walk.policy.threshold_m for walk in walks]
         return self._replay(ready, sent, shown_as=shown_as, own_threshold_m=own)
 
+    def at_threshold(self, policy: ErrorDriven) -> TrackingRun:
+        """The errors of the baseline at a threshold.
+
+        Parameters
+        ----------
+        policy
+            Of that threshold.
+        """
+        ready = self._baseline
+        shown_as = Contender("baseline", ready.bank.name, None, policy.threshold_m)
+        return self.walked(ready, [ready.run(policy)], shown_as)
+
     def equal_rate(
         self, policy: ErrorDriven, walks: Sequence[TripMessages], basis: RateBasis
     ) -> Iterator[TrackingRun]:
@@ -451,9 +461,13 @@ class FreeRuns:
         return self._runs.walked(self.ready, sent, self._shown(FREE_RECEIVER, None, threshold_m))
 
     def at_equal_rate(
-        self, threshold_m: float, sent: Sequence[TripMessages], walks: Sequence[TripMessages]
+        self,
+        threshold_m: float,
+        sent: Sequence[TripMessages],
+        walks: Sequence[TripMessages],
+        bases: Sequence[RateBasis] = RATE_BASES,
     ) -> Iterator[TrackingRun]:
-        """Yield its errors at the rate of another sender, on either basis, by a threshold of its own.
+        """Yield its errors at the rate of another sender, one a basis, by a threshold of its own.
 
         Parameters
         ----------
@@ -463,6 +477,8 @@ class FreeRuns:
             What it sends at that threshold: the search begins there.
         walks
             What the other sent, as in `LossRuns.walked`.
+        bases
+            Which of its messages count.
         """
         ratios = self._settings.packet_error_ratios if self._settings.belief == "expected" else (0.0,)
 
@@ -478,7 +494,7 @@ class FreeRuns:
             matched = [self._matched(messages, ratio, first) for messages, ratio, first in asked]
             return [self._runs.walked(self.ready, matched, self._shown(FREE_MATCHED, basis, threshold_m))]
 
-        return by_basis(walks, RATE_BASES, runs_of)
+        return by_basis(walks, bases, runs_of)
 
     def _shown(self, policy: str, basis: RateBasis | None, threshold_m: float) -> Contender:
         return Contender(policy, self.ready.bank.name, basis, threshold_m)

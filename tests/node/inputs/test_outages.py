@@ -1,6 +1,7 @@
 """Dead reckoning on real trips stays within the ellipse it states."""
 
 import importlib.util
+import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -24,7 +25,9 @@ def outages() -> ModuleType:
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.path.insert(0, str(path.parent))
     spec.loader.exec_module(module)
+    sys.path.pop(0)
     return module
 
 

@@ -29,6 +29,7 @@ _DAY_S = 86_400.0
 _ALONE = 3
 """Fixes of one kind in a row after which no partner is waited for."""
 _MOST_WAITING = 32
+_RULES = StreamRules(silence_s=3.0, most_octets=1024)
 
 
 class EpochJoiner:
@@ -97,7 +98,7 @@ class NmeaSource(AbstractSource):
         self._midnight: tuple[float, float] | None = (
             None  # UTC of the midnight last known, and of the last fix
         )
-        kept = StreamRules(silence_s=3.0, most_octets=1024) if rules is None else rules
+        kept = _RULES if rules is None else rules
         self._stream = LineStream(connect, self.hear, self._box, kept)
         self.newest_utc: tuple[float, float] | None = None
         """When the newest dated fix came, and the UTC it says [s], for whoever steers a clock."""

@@ -1,8 +1,7 @@
-"""Candidates side by side: messages and bytes against threshold, tracking error against loss."""
+"""Candidates side by side: messages and airtime against threshold, tracking error against loss."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from operator import attrgetter
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -11,14 +10,22 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.typing import LineStyleType
 
+from modelcast.report.comparison_rows import (
+    Limited,
+    loss_ratios,
+    pooled_rows,
+    protocols,
+    rival_rows_of,
+    worst_rows,
+)
+from modelcast.report.comparison_tables import shown_rivals
 from modelcast.report.figures.panels import drawable, empty_figure
 from modelcast.report.headline import REFERENCE_LABELS
-from modelcast.report.style import INK, PAGE_IN, new_figure, style
+from modelcast.report.style import INK, PAGE_IN, POLICY_COLOURS, new_figure, style
 from modelcast.study.compare.result import ComparisonResult
-from modelcast.study.result import POOLED
 from modelcast.study.table import Row
 
-__all__ = ["plot_comparison", "rival_rows_of", "worst_rows"]
+__all__ = ["plot_comparison"]
 
 _COLOURS = (
     "#332288",
@@ -69,71 +76,93 @@ class _Look:
 
 
 def plot_comparison(result: ComparisonResult) -> Figure:
-    """Return a row of panels a protocol: messages, airtime, 90th and 99th percentile over the baseline's.
+    """Return rows of panels, for each protocol one over the baseline and one over the free receiver.
 
-    Tracking panels show the worst threshold at each packet error ratio, against the harder of the two
-    readings of the equal-rate baseline. Hybrids are drawn thicker and dashed. Where candidates are compared
-    against another than the baseline, a second row follows: messages, bytes and airtime over that one's, and
-    the share of trips beyond both bounds.
+    In a row messages and airtime at the same threshold without loss, then the 90th percentile of the error
+    under loss at the same threshold, and at the same rate; errors at the worst threshold for each packet
+    error ratio, at the same rate against the harder of the two readings of the equal-rate baseline. Hybrids
+    are drawn thicker and dashed. Where candidates are compared against a third one, a row follows with
+    messages, bytes and airtime over that one's, and the share of trips beyond both bounds.
 
     Parameters
     ----------
     result
         The comparison.
     """
-    protocols = list(dict.fromkeys(row.protocol for row in result.ratios))
+    run = protocols(result)
     with style():
-        if not protocols:
+        if not run:
             return empty_figure("Nothing was compared.")
         looks = _looks(result)
         height_in = _HEIGHT_IN if len(looks) <= _CROWD else _CROWDED_HEIGHT_IN
         legend_in = 0.14 * -(-(len(looks) + 5) // _legend_columns(looks))
-        each = 1 if result.rival is None else 2
-        figure = new_figure(PAGE_IN, 0.35 + legend_in + height_in * each * len(protocols))
-        panels = figure.subplots(each * len(protocols), 4, squeeze=False)
-        grid = panels[::each]
-        if result.rival is not None:
-            for axes, protocol in zip(panels[1::2], protocols, strict=True):
-                _draw_rival(axes, result, protocol, looks)
-        for axes, protocol in zip(grid, protocols, strict=True):
-            _draw_messages(axes[0], result, protocol, looks)
-            _draw_airtime(axes[1], result, protocol, looks)
-            _draw_tracking(axes[2], result, protocol, looks, percentile=90)
-            _draw_tracking(axes[3], result, protocol, looks, percentile=99)
-            axes[0].set_ylabel(f"{protocol}\nratio to the baseline")
-        titles = ("Messages", "Airtime", "p90, worst threshold", "p99, worst threshold")
-        for row in grid[:1] if result.rival is None else grid:
-            for axes, title in zip(row, titles, strict=True):
-                axes.set_title(title)
-        for row in grid[-1:] if result.rival is None else grid:
-            for at, axes in enumerate(row):
-                axes.set_xlabel("Threshold [cm]" if at < 2 else "Packet error ratio [%]")
-        _legend(figure, [row[0] for row in grid], _legend_columns(looks))
+        third = result.rival if result.rival != result.free else None
+        each = [None, *shown_rivals(result)]
+        rows = [(rival, protocol) for protocol in run for rival in each]
+        figure = new_figure(PAGE_IN, 0.35 + legend_in + height_in * len(rows))
+        panels = figure.subplots(len(rows), 4, squeeze=False)
+        for axes, (rival, protocol) in zip(panels, rows, strict=True):
+            if rival is not None and rival == third:
+                _draw_third(axes, result, protocol, looks)
+            else:
+                _draw_row(axes, result, protocol, rival, looks)
+        _legend(figure, [row[0] for row in panels], _legend_columns(looks))
         return figure
 
 
-def rival_rows_of(result: ComparisonResult, candidate: str, protocol: str) -> list[Row]:
-    """Return a candidate's rows over the one compared against, by rising threshold.
-
-    Parameters
-    ----------
-    result
-        The comparison.
-    candidate, protocol
-        Whose.
-    """
-    own = (row for row in result.rivals if (row.candidate, row.protocol) == (candidate, protocol))
-    return sorted(own, key=lambda row: row.threshold_m)
+_TITLES = (
+    "Messages,\nsame threshold",
+    "Airtime,\nsame threshold",
+    "p90, same threshold,\nwith losses",
+    "p90, same rate,\nwith losses",
+)
 
 
-def _draw_rival(
+def _draw_row(
+    row: Sequence[Axes], result: ComparisonResult, protocol: str, rival: str | None, looks: dict[str, _Look]
+) -> None:
+    """Draw a row of panels over the baseline, or over the free receiver."""
+    if rival is None:
+        _draw_messages(row[0], result, protocol, looks)
+        _draw_airtime(row[1], result, protocol, looks)
+    else:
+        rows = {name: rival_rows_of(result, name, protocol, rival) for name in looks}
+        for axes, figure in zip(row, ("message", "airtime"), strict=False):
+            _threshold_axis(axes, [one for one in result.ratios if one.protocol == protocol])
+            top = _draw_ratios(axes, rows, figure, looks)
+            _one(axes, _FREE)
+            axes.set_ylim(0.0, 1.1 * top)
+    prefix = "baseline" if rival is None else "free"
+    same = {name: _worst_same(result, name, protocol, prefix) for name in looks}
+    _draw_tracking(row[2], result, same, looks, prefix)
+    figure = "p90" if rival is None else "p90_over_free"
+    matched = {name: worst_rows(result, name, protocol, figure) for name in looks}
+    _draw_tracking(row[3], result, matched, looks, prefix)
+    for at, (axes, title) in enumerate(zip(row, _TITLES, strict=True)):
+        axes.set_title(title)
+        axes.set_xlabel("Threshold [cm]" if at < len(row) // 2 else "Packet error ratio [%]")
+    row[0].set_ylabel(f"{protocol}\nratio to the {'baseline' if rival is None else 'free receiver'}")
+
+
+def _worst_same(result: ComparisonResult, name: str, protocol: str, prefix: str) -> list[Limited]:
+    """The largest ratio of p90 to somebody's at the same threshold, at each packet error ratio."""
+    found: list[Limited] = []
+    for ratio in loss_ratios(result):
+        rows = pooled_rows(result, name, protocol, ratio)
+        pairs = [(row.p90_m, getattr(row, f"{prefix}_p90_m")) for row in rows]
+        values = [own_m / other_m for own_m, other_m in pairs if other_m]
+        found.append((max(values, default=float("nan")), None, None))
+    return found
+
+
+def _draw_third(
     row: Sequence[Axes], result: ComparisonResult, protocol: str, looks: dict[str, _Look]
 ) -> None:
-    """Draw a row of panels over the candidate compared against, and the share of trips beyond the bounds."""
+    """Draw a row over a third candidate compared against, and the share of trips beyond the bounds."""
     ratios = [one for one in result.ratios if one.protocol == protocol]
     for axes in row:
         _threshold_axis(axes, ratios)
-    rivals = {name: rival_rows_of(result, name, protocol) for name in looks}
+    rivals = {name: rival_rows_of(result, name, protocol, result.rival) for name in looks}
     for axes, figure in zip(row, ("message", "bytes", "airtime"), strict=False):
         top = _draw_ratios(axes, rivals, figure, looks)
         axes.axhline(1.0, color=INK, linewidth=1.1, zorder=1)
@@ -168,27 +197,6 @@ def _legend(figure: Figure, panels: Sequence[Axes], columns: int) -> None:
     )
 
 
-def worst_rows(result: ComparisonResult, candidate: str, protocol: str, percentile: int) -> list[float]:
-    """Return the largest ratio over the thresholds at each packet error ratio, rising.
-
-    Parameters
-    ----------
-    result
-        The comparison.
-    candidate, protocol
-        Whose.
-    percentile
-        90 or 99.
-    """
-    found: dict[float, float] = {}
-    for row in result.tracking:
-        if (row.trip, row.candidate, row.protocol) == (POOLED, candidate, protocol):
-            known = found.get(row.packet_error_ratio, float("nan"))
-            ratio = getattr(row, f"p{percentile}_ratio")
-            found[row.packet_error_ratio] = float(np.fmax(known, ratio))
-    return [found[ratio] for ratio in sorted(found)]
-
-
 def _looks(result: ComparisonResult) -> dict[str, _Look]:
     """Return how each candidate is drawn: members first, then hybrids."""
     ordered = sorted(result.candidates, key=lambda row: row.is_hybrid)
@@ -196,7 +204,7 @@ def _looks(result: ComparisonResult) -> dict[str, _Look]:
     asides = np.linspace(-0.5, 0.5, len(ordered)) * spread
     return {
         row.name: _Look(
-            _COLOURS[at % len(_COLOURS)],
+            POLICY_COLOURS["free"] if row.name == result.free else _COLOURS[at % len(_COLOURS)],
             _MARKERS[(at + 3 * (at // len(_COLOURS))) % len(_MARKERS)],
             (0, (3.0, 1.0)) if row.is_hybrid else "-",
             1.6 if row.is_hybrid else 0.9,
@@ -243,7 +251,7 @@ def _draw_over_baseline(
     rows = [row for row in result.ratios if row.protocol == protocol]
     thresholds_m = _threshold_axis(axes, rows)
     tallest = _draw_ratios(axes, {name: _by_threshold(rows, name) for name in looks}, figure, looks)
-    _baseline(axes)
+    _one(axes, _BASELINE)
     return thresholds_m, tallest
 
 
@@ -260,36 +268,27 @@ def _draw_ratios(
 
 
 def _draw_tracking(
-    axes: Axes, result: ComparisonResult, protocol: str, looks: dict[str, _Look], *, percentile: int
+    axes: Axes,
+    result: ComparisonResult,
+    values: Mapping[str, Sequence[Limited]],
+    looks: dict[str, _Look],
+    prefix: str,
 ) -> None:
     """Draw the worst threshold's ratio at each loss ratio, 2 as far off as 1/2."""
-    ratios = sorted({row.packet_error_ratio for row in result.tracking})
+    ratios = loss_ratios(result)
     if not ratios:
         axes.text(0.5, 0.5, "not evaluated", transform=axes.transAxes, ha="center", color="#666666")
         axes.set_xticks([])
         return
     axes.set_yscale("log", base=2)
     for name, look in looks.items():
-        values = np.array(worst_rows(result, name, protocol, percentile))
-        _draw_line(axes, name, look, values, _worst_limits(result, name, protocol, percentile))
-    _baseline(axes)
+        ends = [(low, high) for _, low, high in values[name]]
+        _draw_line(axes, name, look, np.array([value for value, _, _ in values[name]]), ends)
+    _one(axes, _BASELINE if prefix == "baseline" else _FREE)
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:.3g}")
     axes.set_xticks(range(len(ratios)), [f"{100 * ratio:.4g}" for ratio in ratios])
     axes.set_xlim(-0.5, len(ratios) - 0.5)
     axes.grid(visible=False, axis="x")
-
-
-def _worst_limits(
-    result: ComparisonResult, name: str, protocol: str, percentile: int
-) -> list[tuple[float | None, float | None]]:
-    """Return the interval of the threshold that `worst_rows` names, at each loss ratio."""
-    by_ratio: dict[float, list[Row]] = {}
-    for row in result.tracking:
-        if (row.trip, row.candidate, row.protocol) == (POOLED, name, protocol):
-            by_ratio.setdefault(row.packet_error_ratio, []).append(row)
-    key = attrgetter(f"p{percentile}_ratio")
-    limits = attrgetter(f"p{percentile}_low", f"p{percentile}_high")
-    return [limits(max(by_ratio[ratio], key=key)) for ratio in sorted(by_ratio)]
 
 
 def _draw_line(
@@ -331,5 +330,11 @@ def _threshold_axis(axes: Axes, rows: Sequence[Row]) -> list[float]:
     return thresholds_m
 
 
-def _baseline(axes: Axes) -> None:
-    axes.axhline(1.0, color=INK, linewidth=1.1, label="Baseline (CV)", zorder=1)
+_BASELINE = "Baseline (CV)"
+_FREE = "Free receiver"
+
+
+def _one(axes: Axes, label: str) -> None:
+    """Draw the line of whom ratios are to."""
+    colour, line = (INK, "-") if label == _BASELINE else (POLICY_COLOURS["free"], "--")
+    axes.axhline(1.0, color=colour, linestyle=line, linewidth=1.1, label=label, zorder=1)

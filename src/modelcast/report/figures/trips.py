@@ -135,6 +135,7 @@ def _draw_rows(axes: Axes, names: Sequence[str], values: Mapping[str, _ByTrip]) 
             markeredgecolor=colour if outlined else "white",
             markeredgewidth=0.9 if outlined else 0.4,
             markersize=6.5 if outlined else 4.5,
+            label=policy,
             zorder=3 if outlined else 2,
         )
     axes.tick_params(axis="y", length=0)
@@ -143,7 +144,12 @@ def _draw_rows(axes: Axes, names: Sequence[str], values: Mapping[str, _ByTrip]) 
 def _draw_distribution(axes: Axes, values: Mapping[str, _ByTrip]) -> None:
     for policy, by_trip in values.items():
         if by_trip:
-            axes.ecdf(list(by_trip.values()), color=POLICY_COLOURS[policy], linestyle=POLICY_LINES[policy])
+            axes.ecdf(
+                list(by_trip.values()),
+                color=POLICY_COLOURS[policy],
+                linestyle=POLICY_LINES[policy],
+                label=policy,
+            )
     axes.set_ylim(0.0, 1.02)
 
 
@@ -170,9 +176,8 @@ def _from_zero(axes: Axes) -> None:
 
 def _legend(figure: Figure, result: EvaluationResult) -> None:
     named = policy_labels(result)
-    colours = {POLICY_COLOURS[role]: label for role, label in named.items()}
-    by_colour = {str(line.get_color()): line for axes in figure.axes for line in axes.get_lines()}
-    shown = [(by_colour[colour], label) for colour, label in colours.items() if colour in by_colour]
+    drawn = {str(line.get_label()): line for axes in figure.axes for line in axes.get_lines()}
+    shown = [(drawn[role], label) for role, label in named.items() if role in drawn]
     figure.legend(
         [handle for handle, _ in shown],
         [label for _, label in shown],

@@ -229,10 +229,11 @@ RIVAL_RATIOS = TableSchema(
 
 
 def _errors(percentile: int) -> tuple[Column, ...]:
-    """A percentile of the tracking error: of the candidate, of both baselines, and the ratio."""
+    """A percentile of the tracking error: of the candidate and of its rivals, and the ratios."""
     name = f"p{percentile}"
     what = f"Percentile {percentile} of the tracking error after the instant's message"
     missing = "single trips have no interval"
+    no_free = f"{missing}, and it may not be run"
     return (
         quantity(f"{name}_m", "m", f"{what}."),
         quantity(f"matched_{name}_m", "m", f"{what}, of the baseline of bisected threshold."),
@@ -240,12 +241,36 @@ def _errors(percentile: int) -> tuple[Column, ...]:
         quantity(f"{name}_ratio", "1", "The candidate's over the smaller of those compared with."),
         quantity(f"{name}_low", "1", "Lower end of its 95 % interval over the trips.", missing=missing),
         quantity(f"{name}_high", "1", "Upper end of its 95 % interval over the trips.", missing=missing),
+        quantity(
+            f"baseline_{name}_m", "m", f"{what}, of the baseline at the same threshold.", missing=_NOT_RUN
+        ),
+        quantity(
+            f"free_{name}_m", "m", f"{what}, of the free receiver at the same threshold.", missing=_NOT_RUN
+        ),
+        quantity(
+            f"free_matched_{name}_m", "m", f"{what}, of the free receiver at the same rate.", missing=_NOT_RUN
+        ),
+        quantity(
+            f"{name}_over_free",
+            "1",
+            "The candidate's over that of the free receiver at its rate.",
+            missing=_NOT_RUN,
+        ),
+        quantity(
+            f"{name}_over_free_low", "1", "Lower end of its 95 % interval over the trips.", missing=no_free
+        ),
+        quantity(
+            f"{name}_over_free_high", "1", "Upper end of its 95 % interval over the trips.", missing=no_free
+        ),
     )
 
 
+_NOT_RUN = "it may not be run"
+
 TRACKING_RATIOS = TableSchema(
     "tracking",
-    "Tracking error of one candidate under loss, beside both readings of the baseline at equal rate.",
+    "Tracking error of one candidate under loss, beside the baseline and the free receiver: at the same "
+    "threshold, and at the same rate, of the baseline in both readings.",
     (
         _CANDIDATE,
         _PROTOCOL,
@@ -260,6 +285,21 @@ TRACKING_RATIOS = TableSchema(
         quantity("message_rate_hz", "1/s", "Messages over the time observed, keep-alive included."),
         quantity("matched_rate_hz", "1/s", "The same of the baseline of bisected threshold."),
         quantity("periodic_rate_hz", "1/s", "The same of the periodic baseline."),
+        quantity(
+            "baseline_rate_hz", "1/s", "The same of the baseline at the same threshold.", missing=_NOT_RUN
+        ),
+        quantity(
+            "free_rate_hz",
+            "1/s",
+            "The same of the free receiver's sender at that threshold.",
+            missing=_NOT_RUN,
+        ),
+        quantity(
+            "free_matched_rate_hz",
+            "1/s",
+            "The same of that sender at the candidate's rate.",
+            missing=_NOT_RUN,
+        ),
         *_errors(90),
         *_errors(99),
     ),
@@ -294,7 +334,8 @@ class ComparisonResult:
     counts
         Messages trip by trip.
     rivals
-        Messages over those of the candidate compared against.
+        Messages over those of the candidate compared against, then over the free receiver's where that is
+        another.
     references
         What the figure draws beside the candidates; empty where it was not asked for.
     failures, skipped
@@ -313,6 +354,11 @@ class ComparisonResult:
     references: Table = field(default_factory=REFERENCE_RATIOS.table)
     failures: Mapping[str, str] = field(default_factory=dict[str, str])
     skipped: Mapping[str, str] = field(default_factory=dict[str, str])
+
+    @property
+    def free(self) -> str | None:
+        """The candidate that is the free receiver; None where it was not run."""
+        return self.settings.get("free")
 
     @property
     def rival(self) -> str | None:

@@ -8,6 +8,7 @@ from modelcast.core.arrays import IntArray
 from modelcast.core.exceptions import ConfigError
 from modelcast.core.near_names import near
 from modelcast.study.compare.candidate import AbstractCandidate
+from modelcast.study.compare.free import free_name, with_free
 from modelcast.study.compare.result import (
     COUNTS,
     RATIOS,
@@ -21,7 +22,7 @@ from modelcast.study.compare.result import (
 )
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.compare.stage import reference_ratios, stage_trips, usable_trips
-from modelcast.study.compare.table import Resamples, ratio_rows, rival_rows, tracking_rows
+from modelcast.study.compare.table import Resamples, ratio_rows, rivals_rows, tracking_rows
 from modelcast.study.compare.trial import candidate_row, fit_folds, run_trial
 from modelcast.study.routes import route_names, routes
 from modelcast.study.table import Row, Table
@@ -47,7 +48,8 @@ def compare(
     trips
         Recorded trips, with distinct identifiers.
     candidates
-        What is compared; a trained one is fitted anew for every route, on the trips of the others.
+        What is compared; a trained one is fitted anew for every route, on the trips of the others. The free
+        receiver is put behind them, unless it is one of them or `EvaluationSettings.free` is None.
     settings
         What to do.
     progress
@@ -71,11 +73,12 @@ def compare(
     >>> from modelcast.world.drive import generate_drive
     >>> asked = CompareSettings(EvaluationSettings((0.5,), (0.0,), seeds=1, references=False), ("recorded",))
     >>> result = compare([generate_drive(1, 90.0).truth], [FixedCandidate("cv", BASELINE_BANK)], asked)
-    >>> result.ratios[0].message_ratio, result.ratios[0].airtime_ratio
-    (1.0, 1.0)
+    >>> [row.candidate for row in result.ratios], result.ratios[0].message_ratio
+    (['cv', 'free'], 1.0)
     """
     settings = CompareSettings() if settings is None else settings
-    reference = checked_reference(candidates, settings)
+    candidates = with_free(candidates, settings.evaluation)
+    reference, free = checked_reference(candidates, settings), free_name(candidates, settings.evaluation)
     usable, failures = usable_trips(trips, max(candidate.window for candidate in candidates))
     route = routes(usable, settings.route_by)
     _require_other_routes(candidates, route)
@@ -108,7 +111,7 @@ def compare(
                 resamples=resamples,
             )
     return ComparisonResult(
-        {**settings.as_plain(), "against": reference},
+        {**settings.as_plain(), "against": reference, "free": free},
         routes=_route_rows(usable, route),
         trips=tuple(
             _trip_row(
@@ -120,7 +123,7 @@ def compare(
         ratios=RATIOS.table(ratio_rows(work.counts, reference, resamples)),
         tracking=TRACKING_RATIOS.table(work.tracking),
         counts=COUNTS.table(work.counts),
-        rivals=RIVAL_RATIOS.table(rival_rows(work.counts, reference, resamples)),
+        rivals=RIVAL_RATIOS.table(rivals_rows(work.counts, reference, free, resamples)),
         references=REFERENCE_RATIOS.table(reference_ratios(staged, settings)),
         failures=failures,
     )
@@ -155,9 +158,13 @@ class _Work:
 def checked_reference(candidates: Sequence[AbstractCandidate], settings: CompareSettings) -> str:
     """The candidate that differences are taken to, once all names are seen to differ.
 
+    That is the free receiver where none is named, or the first one where that is not run.
+
     Parameters
     ----------
-    candidates, settings
+    candidates
+        As `with_free` gives them.
+    settings
         As for `compare`.
 
     Raises
@@ -171,7 +178,8 @@ def checked_reference(candidates: Sequence[AbstractCandidate], settings: Compare
     repeated = sorted({name for name in names if names.count(name) > 1})
     if repeated:
         raise ConfigError(f"two candidates are named {repeated[0]}: name each once")
-    against = names[0] if settings.against is None else settings.against
+    first = free_name(candidates, settings.evaluation) or names[0]
+    against = first if settings.against is None else settings.against
     if against not in names:
         known = f"there are {', '.join(names)}: name one of them, or compare it too"
         raise ConfigError(f"no candidate is named '{against}'{near(against, names)}; {known}")

@@ -26,11 +26,12 @@ class CompareSettings:
     ----------
     evaluation
         Thresholds, losses, seeds, sensor and sizes, the same for all candidates; its bank, rules and protocol
-        are not looked at.
+        are not looked at. The free receiver is run beside all candidates, unless it is None there.
     protocols
         Each trip is evaluated in each of these.
     against
-        Name of the candidate that differences are taken to; None for the first.
+        Name of the candidate that differences are taken to; None for the free receiver, or the first where
+        that is not run.
     route_by
         How trips are told apart into routes, as in `modelcast.study.routes.routes`.
     resamples
@@ -84,10 +85,15 @@ class CompareSettings:
             "keep_samples",
             "free",
             "detail_threshold_m",
+            "sub_model_names",
+            "plain_messages",
+            "is_free_receiver",
         }
         shared = {key: value for key, value in self.evaluation.as_plain().items() if key not in own}
+        free = self.evaluation.free
         return {
             **shared,
+            "free_names": None if free is None else [member.name for member in free.members],
             "protocols": list(self.protocols),
             "against": self.against,
             "route_by": self.route_by,

@@ -10,9 +10,10 @@ from modelcast.runtime.trip.context import TripContexts
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.case import TripCase, make_case
+from modelcast.study.compare.beside import BesideRuns
 from modelcast.study.compare.result import REFERENCE_RATIOS
 from modelcast.study.compare.settings import CompareSettings
-from modelcast.study.context import case_contexts
+from modelcast.study.context import case_contexts, free_runtime
 from modelcast.study.reference import count_references, pooled_references
 from modelcast.study.table import Row
 from modelcast.study.tracking import LossRuns
@@ -43,6 +44,8 @@ class StagedTrip:
         The loss runs, whose losses and baselines all candidates share.
     contexts, place
         Contexts of all trips in this protocol, and which this one is among them.
+    beside
+        What candidates are held against beside the equal-rate baselines; None where they are not.
     """
 
     case: TripCase
@@ -50,9 +53,12 @@ class StagedTrip:
     losses: LossRuns
     contexts: TripContexts
     place: int
+    beside: BesideRuns | None = None
 
 
-def stage_trips(trips: Sequence[Trajectory], settings: CompareSettings) -> dict[str, list[StagedTrip]]:
+def stage_trips(
+    trips: Sequence[Trajectory], settings: CompareSettings, *, beside: bool = True
+) -> dict[str, list[StagedTrip]]:
     """Every trip made ready in every protocol, by protocol.
 
     Parameters
@@ -61,6 +67,9 @@ def stage_trips(trips: Sequence[Trajectory], settings: CompareSettings) -> dict[
         The trips, in order.
     settings
         Protocols, sensor and losses.
+    beside
+        Whether candidates are held against baseline and free receiver at the same threshold, and against the
+        free receiver at the same rate, too.
     """
     staged: dict[str, list[StagedTrip]] = {}
     for protocol in settings.protocols:
@@ -70,9 +79,10 @@ def stage_trips(trips: Sequence[Trajectory], settings: CompareSettings) -> dict[
         contexts = case_contexts(cases, own)
         for place, case in enumerate(cases):
             baseline = TripRuntime(case.seen, BASELINE_BANK, case.estimator, quantised=own.quantised)
-            staged[protocol].append(
-                StagedTrip(case, baseline, LossRuns(case, baseline, own), contexts, place)
-            )
+            losses = LossRuns(case, baseline, own)
+            free = free_runtime(case, own.free, baseline.sensed, quantised=own.quantised)
+            rivals = BesideRuns(losses, free) if beside else None
+            staged[protocol].append(StagedTrip(case, baseline, losses, contexts, place, rivals))
     return staged
 
 

@@ -22,14 +22,15 @@ from modelcast.study.compare.result import (
     messages_of,
     rival_bound,
 )
-from modelcast.study.compare.trial import READINGS, RIVALS, ErrorGroup, Trial
+from modelcast.study.compare.trial import BESIDE, FREE_AT_RATE, READINGS, RIVALS, ErrorGroup, Trial
 from modelcast.study.metrics import confidence_limits, quantiles
 from modelcast.study.result import POOLED
 from modelcast.study.table import Row
 
-__all__ = ["Resamples", "ratio_rows", "rival_rows", "tracking_rows"]
+__all__ = ["Resamples", "ratio_rows", "rival_rows", "rivals_rows", "tracking_rows"]
 
 _PROBABILITIES = (0.9, 0.99)
+_PERCENTILES = ("p90", "p99")
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +141,20 @@ def _ratio_row(
     )
 
 
+def rivals_rows(counts: Sequence[Row], reference: str, free: str | None, resamples: Resamples) -> list[Row]:
+    """`rival_rows` over the candidate compared against, then over the free receiver where that is another.
+
+    Parameters
+    ----------
+    counts, reference, resamples
+        As for `ratio_rows`.
+    free
+        Name of the free receiver; None where it was not run.
+    """
+    names = [reference] if free is None or free == reference else [reference, free]
+    return [row for name in names for row in rival_rows(counts, name, resamples)]
+
+
 def rival_rows(counts: Sequence[Row], rival: str, resamples: Resamples) -> list[Row]:
     """Messages, bytes and airtime over another candidate's, for every candidate, protocol and threshold.
 
@@ -235,39 +250,47 @@ def tracking_rows(
     alone: list[Row] = []
     times = np.array([shares_s, durations_s])
     for group in trial.groups:
-        drawn = _drawn_limits(group, shares_s, resamples, rivals)
+        held = (rivals, (FREE_AT_RATE,)) if group.errors_m[FREE_AT_RATE] else (rivals,)
+        drawn = _drawn_limits(group, shares_s, resamples, held)
         if one_trip_by_seeds and len(trips) == 1:
-            drawn = _seed_limits(group, rivals)
-        whole = _Part(POOLED, range(len(trips)), rivals, drawn)
+            drawn = _seed_limits(group, held)
+        whole = _Part(POOLED, range(len(trips)), held, drawn)
         pooled.append(_tracking_row((name, trial.protocol), group, whole, times))
         for at, trip in enumerate(trips):
-            part = _Part(trip, range(at, at + 1), rivals, ((None, None), (None, None)))
+            part = _Part(trip, range(at, at + 1), held, [_NO_LIMITS] * len(held))
             alone.append(_tracking_row((name, trial.protocol), group, part, times))
     return [*pooled, *alone]
 
 
+_NO_LIMITS: tuple[Limits, Limits] = ((None, None), (None, None))
+
+
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """Some of the trips, their name in rows, whom ratios are to, and the limits of both over the trips."""
+    """Some of the trips, their name in rows, whom ratios are to, and the limits of both over the trips.
+
+    Ratios are to the harder of each of ``held``; ``limits`` are of p90 and p99, one pair for each.
+    """
 
     name: str
     trips: range
-    rivals: Sequence[str]
-    limits: tuple[Limits, Limits]
+    held: Sequence[Sequence[str]]
+    limits: Sequence[tuple[Limits, Limits]]
 
 
 def _drawn_limits(
-    group: ErrorGroup, shares_s: Sequence[float], resamples: Resamples, rivals: Sequence[str]
-) -> tuple[Limits, Limits]:
-    """Intervals of both ratios, against the harder baseline in each resample."""
+    group: ErrorGroup, shares_s: Sequence[float], resamples: Resamples, held: Sequence[Sequence[str]]
+) -> list[tuple[Limits, Limits]]:
+    """Intervals of both ratios, against the harder rival in each resample."""
     if np.unique(resamples.clusters).size < 2:
-        return (None, None), (None, None)
-    own, *others = (
-        quantile_resamples(resamples.weights, group.errors_m[name], shares_s, _PROBABILITIES)
-        for name in ("own", *rivals)
-    )
-    drawn = _divided(own, np.minimum.reduce(others))
-    return limits(drawn[:, 0], resamples.clusters), limits(drawn[:, 1], resamples.clusters)
+        return [_NO_LIMITS] * len(held)
+
+    def drawn(name: str) -> FloatArray:
+        return quantile_resamples(resamples.weights, group.errors_m[name], shares_s, _PROBABILITIES)
+
+    own = drawn("own")
+    each = [_divided(own, np.minimum.reduce([drawn(name) for name in rivals])) for rivals in held]
+    return [(limits(one[:, 0], resamples.clusters), limits(one[:, 1], resamples.clusters)) for one in each]
 
 
 def _divided(own: FloatArray, rival: FloatArray) -> FloatArray:
@@ -275,26 +298,44 @@ def _divided(own: FloatArray, rival: FloatArray) -> FloatArray:
     return np.divide(own, rival, out=np.full(own.shape, np.nan), where=rival > 0)
 
 
-def _seed_limits(group: ErrorGroup, rivals: Sequence[str]) -> tuple[Limits, Limits]:
+def _seed_limits(group: ErrorGroup, held: Sequence[Sequence[str]]) -> list[tuple[Limits, Limits]]:
     """Student-t limits of the mean over seeds of each seed's ratios, on the one trip there is."""
-    own, *others = (
-        np.array([quantiles([row], [1.0], _PROBABILITIES) for row in group.errors_m[name][0]])
-        for name in ("own", *rivals)
-    )
-    ratios = _divided(own, np.minimum.reduce(others))
-    return confidence_limits(ratios[:, 0]), confidence_limits(ratios[:, 1])
+
+    def by_seed(name: str) -> FloatArray:
+        return np.array([quantiles([row], [1.0], _PROBABILITIES) for row in group.errors_m[name][0]])
+
+    own = by_seed("own")
+    each = [_divided(own, np.minimum.reduce([by_seed(name) for name in rivals])) for rivals in held]
+    return [(confidence_limits(one[:, 0]), confidence_limits(one[:, 1])) for one in each]
+
+
+_PREFIXES = {"own": "", **{name: f"{name}_" for name in (*READINGS[1:], *BESIDE)}}
+"""Of the columns of each contender."""
 
 
 def _tracking_row(whose: tuple[str, str], group: ErrorGroup, part: _Part, times_s: FloatArray) -> Row:
     """The row of some trips; ``times_s`` is the time of one sample and of the whole of every trip, (2, N)."""
     shares_s = times_s[0].tolist()
     duration_s = float(times_s[1, part.trips].sum())
-    rates = [sum(group.messages[reading][at] for at in part.trips) / duration_s for reading in READINGS]
-    found = {
-        reading: group.quantiles_of(reading, part.trips, shares_s, _PROBABILITIES) for reading in READINGS
-    }
-    p90, p99 = np.transpose([found[reading] for reading in READINGS])
-    p90_ratio, p99_ratio = (_over([found[name][at] for name in ("own", *part.rivals)]) for at in (0, 1))
+    found: dict[str, float | None] = {}
+    errors_m: dict[str, FloatArray] = {}
+    for name, prefix in _PREFIXES.items():
+        was_run = bool(group.errors_m[name])
+        if was_run:
+            errors_m[name] = group.quantiles_of(name, part.trips, shares_s, _PROBABILITIES)
+        sent = sum(group.messages[name][at] for at in part.trips) if was_run else None
+        found[f"{prefix or 'message_'}rate_hz"] = None if sent is None else sent / duration_s
+        for at, column in enumerate(_PERCENTILES):
+            found[f"{prefix}{column}_m"] = float(errors_m[name][at]) if was_run else None
+    for at, column in enumerate(_PERCENTILES):
+        for place, (ratio, ends) in enumerate(
+            ((f"{column}_ratio", column), (f"{column}_over_free", f"{column}_over_free"))
+        ):
+            is_held = place < len(part.held)
+            rivals = part.held[place] if is_held else ()
+            low, high = part.limits[place][at] if is_held else (None, None)
+            found[ratio] = _over([errors_m[name][at] for name in ("own", *rivals)]) if is_held else None
+            found |= {f"{ends}_low": low, f"{ends}_high": high}
     return TRACKING_RATIOS.row(
         candidate=whose[0],
         protocol=whose[1],
@@ -302,25 +343,11 @@ def _tracking_row(whose: tuple[str, str], group: ErrorGroup, part: _Part, times_
         threshold_m=group.threshold_m,
         packet_error_ratio=group.packet_error_ratio,
         rate_basis=group.rate_basis,
-        message_rate_hz=rates[0],
-        matched_rate_hz=rates[1],
-        periodic_rate_hz=rates[2],
-        p90_m=float(p90[0]),
-        matched_p90_m=float(p90[1]),
-        periodic_p90_m=float(p90[2]),
-        p90_ratio=p90_ratio,
-        p90_low=part.limits[0][0],
-        p90_high=part.limits[0][1],
-        p99_m=float(p99[0]),
-        matched_p99_m=float(p99[1]),
-        periodic_p99_m=float(p99[2]),
-        p99_ratio=p99_ratio,
-        p99_low=part.limits[1][0],
-        p99_high=part.limits[1][1],
+        **found,
     )
 
 
 def _over(found_m: Sequence[float]) -> float:
-    """The candidate's quantile over the smaller of the baselines'; NaN where that is nothing."""
+    """The candidate's quantile over the smallest of its rivals'; NaN where that is nothing."""
     harder_m = float(min(found_m[1:]))
     return float(found_m[0]) / harder_m if harder_m > 0 else float("nan")

@@ -1,16 +1,16 @@
-"""One candidate over all trips: its messages, and its errors under loss beside the equal-rate baselines."""
+"""One candidate over all trips: its messages, and its errors under loss beside those of its rivals."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 
 from modelcast.core.arrays import FloatArray, IntArray, SingleArray
 from modelcast.runtime.trip.runtime import TripRuntime
+from modelcast.study.compare.beside import SortedErrors
 from modelcast.study.compare.candidate import AbstractCandidate
 from modelcast.study.compare.result import COUNTS, CandidateRow
 from modelcast.study.compare.stage import StagedTrip
 from modelcast.study.context import trip_runtimes
 from modelcast.study.metrics import quantiles
-from modelcast.study.pooling import sorted_errors
 from modelcast.study.rate import count_rates
 from modelcast.study.rules import RateBasis
 from modelcast.study.settings import EvaluationSettings
@@ -18,7 +18,17 @@ from modelcast.study.table import Row
 from modelcast.study.tracking import walks_under_loss
 from modelcast.trips.trajectory import Trajectory
 
-__all__ = ["READINGS", "RIVALS", "ErrorGroup", "Trial", "candidate_row", "fit_folds", "run_trial"]
+__all__ = [
+    "BESIDE",
+    "FREE_AT_RATE",
+    "READINGS",
+    "RIVALS",
+    "ErrorGroup",
+    "Trial",
+    "candidate_row",
+    "fit_folds",
+    "run_trial",
+]
 
 RIVALS = ("matched", "periodic")
 """Both readings of the equal-rate baseline."""
@@ -26,19 +36,26 @@ RIVALS = ("matched", "periodic")
 READINGS = ("own", *RIVALS)
 """The candidate, and both of them."""
 
+FREE_AT_RATE = "free_matched"
+"""The free receiver at the candidate's rate."""
+
+BESIDE = ("baseline", "free", FREE_AT_RATE)
+"""Baseline and free receiver at the candidate's threshold, and the latter at its rate, as far as run."""
+
 
 @dataclass(slots=True)
 class ErrorGroup:
-    """Errors of one candidate and its equal-rate baselines at one threshold and loss ratio, trip by trip.
+    """Errors of one candidate and its rivals at one threshold and loss ratio, trip by trip.
 
     Parameters
     ----------
     threshold_m, packet_error_ratio, rate_basis
         Which.
     errors_m
-        For each of `READINGS`, for each trip, its sorted errors, one array a seed [m].
+        For each of `READINGS` and `BESIDE`, for each trip, its sorted errors, one array a seed [m]; nothing
+        of who is not run.
     messages
-        For each of `READINGS`, messages sent on each trip, keep-alive included.
+        For each of them, messages sent on each trip, keep-alive included.
     """
 
     threshold_m: float
@@ -46,9 +63,11 @@ class ErrorGroup:
     rate_basis: RateBasis = "total"
     _: KW_ONLY
     errors_m: dict[str, list[list[SingleArray]]] = field(
-        default_factory=lambda: {name: [] for name in READINGS}
+        default_factory=lambda: {name: [] for name in (*READINGS, *BESIDE)}
     )
-    messages: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in READINGS})
+    messages: dict[str, list[float]] = field(
+        default_factory=lambda: {name: [] for name in (*READINGS, *BESIDE)}
+    )
     _known: dict[tuple[str, range], FloatArray] = field(default_factory=dict[tuple[str, range], FloatArray])
 
     def quantiles_of(
@@ -61,7 +80,7 @@ class ErrorGroup:
         Parameters
         ----------
         reading
-            Of `READINGS`.
+            Of `READINGS` or `BESIDE`, and run.
         trips
             Their places.
         shares_s
@@ -232,11 +251,20 @@ def _add_errors(
     groups = iter(trial.groups)
     for threshold_m in settings.thresholds_m:
         walks = walks_under_loss(each, settings, threshold_m)
-        own, *rivals = trip.losses.contended(each, walks, settings, threshold_m, bases)
+        runs = trip.losses.contended(each, walks, settings, threshold_m, bases)
+        own, *rivals = map(SortedErrors.of, runs)
+        shared: dict[str, SortedErrors] = {}
+        free: list[SortedErrors] = []
+        if trip.beside is not None:
+            shared = trip.beside.at_threshold(settings, threshold_m)
+            free = trip.beside.at_equal_rate(settings, threshold_m, walks, bases)
         for at in range(len(bases)):
-            runs = [own, *rivals[len(RIVALS) * at : len(RIVALS) * (at + 1)]]
+            found = dict(
+                zip(READINGS, [own, *rivals[len(RIVALS) * at : len(RIVALS) * (at + 1)]], strict=True)
+            )
+            found |= shared | ({FREE_AT_RATE: free[at]} if free else {})
             for row in range(len(settings.packet_error_ratios)):
                 group = next(groups)
-                for name, run in zip(READINGS, runs, strict=True):
-                    group.errors_m[name].append(sorted_errors(run, row))
+                for name, run in found.items():
+                    group.errors_m[name].append(run.errors_m[row])
                     group.messages[name].append(run.messages[row])

@@ -158,7 +158,7 @@ def run_reading(
     ratios = plan.packet_error_ratios if reading == PLAIN else (plan.headline_ratio,)
     settings = plan.settings(reading, ratios)
     compared = CompareSettings(settings, (settings.protocol,), resamples=plan.resamples)
-    ((protocol, staged),) = stage_trips(trips, compared).items()
+    ((protocol, staged),) = stage_trips(trips, compared, beside=False).items()
     route = np.arange(len(trips), dtype=np.int64)
     resamples = Resamples.drawn(route, plan.resamples, plan.seed)
     trial = run_trial(
