@@ -19,8 +19,10 @@ from modelcast.report.settings_section import settings_section
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
-from modelcast.study.rules import MODEL_SENDER
+from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.safety.result import SafetyResult, kind_of
+from modelcast.study.safety.settings import SafetySettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.table import Row
 
 __all__ = ["safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
@@ -70,16 +72,40 @@ def safety_headline(result: SafetyResult) -> list[str]:
         lines.append(f"fewer than {ENOUGH} true warnings: the ratios below are anecdotes")
     shown = shown_ratios(result.pooled)
     basis = "airtime" if any(row.basis == "airtime" for row in result.pooled) else result.pooled[0].basis
-    for row in result.pooled:
-        at = shown[kind_of(row)]
-        if (row.packet_error_ratio, row.basis) != (at, basis) or row.candidate == against:
-            continue
-        lines.append(
-            f"{row.sensor}, {loss_words(kind_of(row))}, {100 * at:.4g} % lost, equal {basis} (what {budget} "
-            f"needs): {row.candidate} misses {over_text(row, 'missed')} of what "
-            f"{against} misses, with {over_text(row, 'false')} of its false ones"
-        )
+    for reading in dict.fromkeys((basis, "threshold")):
+        own = [row for row in result.pooled if row.basis == reading]
+        for row in own:
+            at = shown[kind_of(row)]
+            if row.packet_error_ratio != at or row.candidate == against:
+                continue
+            equal = (
+                f"at the same threshold ({row.message_rate_hz:.2f} messages a second)"
+                if reading == "threshold"
+                else f"equal {reading} (what {budget} needs)"
+            )
+            lines.append(
+                f"{row.sensor}, {loss_words(kind_of(row))}, {100 * at:.4g} % lost, {equal}: {row.candidate} "
+                f"misses {over_text(row, 'missed')} of what {against} misses, with {over_text(row, 'false')} "
+                f"of its false ones{_beside_free(row, own)}"
+            )
     return lines
+
+
+def _beside_free(row: Row, own: Sequence[Row]) -> str:
+    """The same over the free receiver's, of whoever is not it; nothing where it was not run."""
+    for free in own:
+        same = (kind_of(free), free.packet_error_ratio) == (kind_of(row), row.packet_error_ratio)
+        if free.candidate != FREE_RECEIVER or not same or row.candidate == FREE_RECEIVER:
+            continue
+        missed, false = (
+            _over(getattr(row, name), getattr(free, name)) for name in ("missed_ratio", "false_ratio")
+        )
+        return f"; over {FREE_RECEIVER}'s {missed} missed and {false} false, for which there is no interval"
+    return ""
+
+
+def _over(own: float, other: float) -> str:
+    return f"{own / other:.2f}" if other > 0.0 else "-"
 
 
 def safety_console(result: SafetyResult) -> RenderableType:
@@ -176,7 +202,7 @@ def write_safety_report(
         body += ["<h2>Left out</h2>", Cells(["what", "why"], left_out).html()]
     body += [
         "<h2>Options</h2>",
-        settings_section(result.settings),
+        settings_section(result.settings, SafetySettings(EvaluationSettings(protocol="sensor")).as_plain()),
     ]
     html = page("modelcast: warnings from messages", CSS, body)
     return write_report_files({"table.md": safety_markdown(result), "report.html": html}, drawings, folder)
