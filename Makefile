@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo demo-live docs test test-only verify interrupts check lint types bench bench-paired mutate fuzz figures paper validate soak setup setup-dev lock clean same
+.PHONY: demo demo-live docs screenshots test test-only verify check lint types bench bench-paired mutate fuzz figures paper validate soak setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -18,6 +18,12 @@ demo-live: $(VENV)/.node
 docs: $(VENV)/.docs
 	$(BIN)/python tools/website/build.py $(DOCS_ARGUMENTS)
 
+# Pictures of a report, of the site and of the live page, on a phone and on a desk; those that pages show, into docs/images.
+# SCREENSHOTS_ARGUMENTS are the script's (a folder, --only, --report, --site, --every, --write).
+SCREENSHOTS_ARGUMENTS ?= out/screenshots --write
+screenshots: setup-dev
+	$(BIN)/python tools/page_screenshots.py $(SCREENSHOTS_ARGUMENTS)
+
 # Bytecode is kept whatever the environment says: tests start hundreds of interpreters, most of which would else be
 # compiling modelcast's sources. pyright is one process that waits for nobody, so it runs beside the tests.
 test verify: export PYTHONDONTWRITEBYTECODE :=
@@ -30,11 +36,6 @@ test-only: setup-dev
 # What is slow: a wheel installed, upgraded and run, processes that race on a cold cache.
 verify: setup-dev
 	$(BIN)/python -m pytest -n auto --dist worksteal -m slow tests
-
-# Ctrl-C at every sign of life of every command: long, and a command that is quicker than the key
-# fails its case, so an idle machine is needed.
-interrupts: setup-dev
-	$(BIN)/python -m pytest -n auto --dist worksteal -m interrupts tests
 
 check: lint types
 

@@ -38,7 +38,10 @@ SHORT = {
 
 QUOTED: Mapping[str, Mapping[str, Sequence[str]]] = {
     "docs/channel.md": {"speed": ("dsrc_channel",)},
+    "docs/congestion.md": {"costs": ("congestion",)},
     "docs/evaluation.md": {"cost": ("evaluate_memory", "free_receiver")},
+    "docs/messages.md": {"speed": ("bsm_codec", "psm_codec", "mbc_codec")},
+    "docs/models.md": {"numpy": ("numpy_sub_model",)},
     "docs/node-page.md": {"frames": ("page_frames",)},
     "docs/node.md": {"tick": ("node_tick",), "latency": ("node_latency",)},
     "docs/people-cost.md": {"simulated": ("people_loop",)},
@@ -48,6 +51,7 @@ QUOTED: Mapping[str, Mapping[str, Sequence[str]]] = {
     "docs/scenarios.md": {"traffic": ("traffic", "safety_traffic")},
     "docs/security.md": {"speed": ("signing",)},
     "docs/serve.md": {"cost": ("serve_step",)},
+    "docs/training.md": {"switching": ("switching",)},
 }
 """Blocks of other pages, and the benchmarks whose records they hold."""
 

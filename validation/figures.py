@@ -46,7 +46,7 @@ RUNS = "runs"
 QUICK = "seconds"
 KEPT = Path(__file__).with_name("loose_numbers.toml")
 UNREAD = "unread"
-DECISIONS = "docs/decisions/"
+RECORDS = ("docs/decisions/", "docs/plugins-tried.md")
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,8 +124,8 @@ def blocks_made() -> Iterator[tuple[str, str, Maker]]:
 def loose_in_pages() -> dict[str, list[Number]]:
     """Numbers in the prose of pages that nothing accounts for, by page.
 
-    Left out are pages that a script makes as a whole; decisions without blocks, which tell what was measured
-    on their day and are not kept up; and those that `unread_pages` names.
+    Left out are pages that a script makes as a whole; decisions without blocks and a transcript, which tell
+    what was measured on their day and are not kept up; and those that `unread_pages` names.
     """
     scripts: dict[str, set[str]] = {}
     for page, _, maker in blocks_made():
@@ -135,7 +135,7 @@ def loose_in_pages() -> dict[str, list[Number]]:
     read = (
         page
         for page in map(_name, pages())
-        if page in scripts or not (page in whole or page in unread_pages() or page.startswith(DECISIONS))
+        if page in scripts or not (page in whole or page in unread_pages() or page.startswith(RECORDS))
     )
     return {
         page: loose_numbers(

@@ -7,10 +7,12 @@ every number in them comes from:
     a block that a registered command makes, on any page; ``row`` are words of the line meant, else it is any
 ``code = "modelcast.channel.base.NAME"``
     a value of the code: a constant, the default of a field or of a parameter, or behind ``()`` of what a
-    function returns; of a script, ``"tools/drawings.py THRESHOLD_M"``; several in a list
+    function returns; of a script, ``"tools/drawings.py THRESHOLD_M"``, or words of a file that have the
+    numbers, ``"src/modelcast/world/drive.py rng.uniform(13.0, 18.0)"``; several in a list
 ``sum = "1 - 0.88"``
     arithmetic, one or several in a list: of numbers of that block or of the page, of ``a``, ``b``, ... for
-    the values in ``code``, and of 1, 2, 100 and 1000, with ``sqrt`` and the like
+    the values in ``code``, and of 1, 2, 100 and 1000, with ``sqrt`` and the like; a number of the page is
+    not its own source
 ``given = "SAE J2945/1, 6.3.8"``
     a standard, a publication, a data set, a device or another program says so: nothing here can be compared
 ``example = "what for"``
@@ -27,12 +29,14 @@ import inspect
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
 from operator import add, mul, sub, truediv
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from page_blocks import blocks_in
 from prose_numbers import UNITS, quoted
@@ -42,13 +46,14 @@ __all__ = ["Source", "faults_of", "sources"]
 ROOT = Path(__file__).resolve().parents[1]
 LISTED = Path(__file__).with_suffix(".toml")
 _STATED = re.compile(
-    r"(?<![\w.,/_-])(\d{1,3}(?:,\d{3})+|\d+(?:\.\d+)?|\.\d+)(?![\w])(?!\.\d)"
-    r"(?:(?=(?: to \d+(?:\.\d+)?)?[ \u00a0]([%\w/]+)))?"
+    r"(?<![\w.,/_-])(\d{1,3}(?:,\d{3})+|\d+(?:\.\d+)?|\.\d+)(?![\w°])(?!\.\d)"
+    r"(?:(?=(?:(?:,| to| and| or) \d+(?:\.\d+)?)*[ \u00a0]([%\w/]+)))?"
 )
-_KMH_MPS = 1.0 / 3.6
+_OTHERS = {"km/h": 1.0 / 3.6, "mm": 1e-3, "mm/s": 1e-3}
+"""Units that do not count in prose, or not as their first part says."""
 _BARE = {1.0, 2.0, 100.0, 1000.0}
 """Numbers that arithmetic may use without a source."""
-_FUNCTIONS = {"exp", "sqrt", "cos", "sin", "tan", "radians", "degrees"}
+_FUNCTIONS = {"ceil", "exp", "sqrt", "cos", "sin", "tan", "radians", "degrees"}
 _SIGNS = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv, ast.Pow: pow}
 
 
@@ -122,6 +127,8 @@ def _values(source: Source, page: str, texts: Mapping[str, str]) -> tuple[set[fl
     trees = [ast.parse(one, mode="eval").body for one in source.sum]
     operands = {float(one.value) for tree in trees for one in ast.walk(tree) if isinstance(one, ast.Constant)}
     sums = {_sum(tree, (known or _numbers(page)) | _BARE, named) for tree in trees}
+    if not known and sums & operands:
+        raise ValueError(f"{min(sums & operands):g} is its own source")
     return {*sums, *named}, operands
 
 
@@ -149,7 +156,7 @@ def _agree(number: str, unit: str, values: Iterable[float], *, rounded: bool) ->
     """Whether a number, in its unit or in the one that code has, is one of the values."""
     stated = _value(number)
     last = 0.5 * 10.0 ** -len(number.partition(".")[2]) if rounded else 0.0
-    scales = {1.0, UNITS.get(unit, UNITS.get(unit.partition("/")[0], 1.0)) if unit != "km/h" else _KMH_MPS}
+    scales = {1.0, _OTHERS.get(unit) or UNITS.get(unit.partition("/")[0], 1.0)}
     return any(abs(stated - value / scale) <= last + 1e-9 * stated for value in values for scale in scales)
 
 
@@ -204,6 +211,10 @@ def values_of(name: str) -> list[float]:
 
 def _assigned(script: str, name: str) -> Any:
     """What a script says by itself that a name is, without being run; one in C++ and the like too."""
+    if not name.isidentifier():
+        if name not in (ROOT / script).read_text(encoding="utf-8"):
+            raise ValueError(f"{script} has no {name}")
+        return [float(found) for found in re.findall(r"\d[\d_]*(?:\.\d+)?(?:e-?\d+)?", name)]
     if not script.endswith(".py"):
         values = re.findall(rf"\b{name}\s?=\s?(\d+(?:\.\d+)?)", (ROOT / script).read_text(encoding="utf-8"))
         return [float(value) for value in values]
@@ -221,12 +232,25 @@ def _assigned(script: str, name: str) -> Any:
 
 
 def _numbers_in(value: Any, name: str) -> list[float]:
-    many = isinstance(value, (tuple, list, set, frozenset, Mapping))
-    found = (value.values() if isinstance(value, Mapping) else value) if many else (value,)
-    numbers = [float(one) for one in found if isinstance(one, (int, float))]
+    numbers = list(_flat(value))
     if not numbers:
         raise ValueError(f"{name} is no number but {value!r}")
     return numbers
+
+
+def _flat(value: Any) -> Iterator[float]:
+    """The numbers of a value, and of whatever it holds."""
+    if isinstance(value, (int, float)):
+        yield float(value)
+    elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+        yield from _flat([getattr(value, one.name) for one in dataclasses.fields(value)])
+    elif isinstance(value, np.ndarray):
+        yield from _flat(value.tolist())
+    elif isinstance(value, Mapping):
+        yield from _flat(tuple(value.values()))
+    elif isinstance(value, (tuple, list, set, frozenset)):
+        for one in value:
+            yield from _flat(one)
 
 
 def _part(value: Any, part: str) -> Any:

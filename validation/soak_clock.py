@@ -10,7 +10,8 @@ import sys
 import time
 from pathlib import Path
 
-from modelcast.cli.node import sender_of_config, stopped_by_signals
+from modelcast.cli.node import sender_of_config
+from modelcast.cli.stopping import stopped_by_signals
 from modelcast.node.clock import SteeredClock, read_together
 from modelcast.node.config import read_config
 from modelcast.node.journal import Journal
@@ -40,7 +41,8 @@ async def _run(path: Path) -> None:
     config, clock = read_config(path), _clock()
     live = LiveNode(config, sender_of_config(config), Journal(sys.stderr, time.time), clock=clock)
     following = asyncio.create_task(_follow(clock))
-    await live.run(stopped_by_signals(0.0))
+    with stopped_by_signals(0.0) as stop:
+        await live.run(stop)
     following.cancel()
 
 

@@ -8,7 +8,7 @@ import contextlib
 import sys
 import time
 
-from modelcast.cli.node import stopped_by_signals
+from modelcast.cli.stopping import stopped_by_signals
 from modelcast.node.run import Lateness
 from modelcast.node.trials.pacing import at_every
 
@@ -20,7 +20,8 @@ TICK_S = 0.1
 async def _run() -> Lateness:
     late = Lateness()
     waking = asyncio.create_task(at_every(TICK_S, time.time, lambda due_s: late.add(time.time() - due_s)))
-    await stopped_by_signals(0.0).wait()
+    with stopped_by_signals(0.0) as stop:
+        await stop.wait()
     waking.cancel()
     with contextlib.suppress(asyncio.CancelledError):
         await waking

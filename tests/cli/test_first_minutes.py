@@ -77,6 +77,7 @@ def test_a_missing_file_costs_an_evaluation_nothing_else(folder: Path, tmp_path:
     assert list(json.loads((out / "run.json").read_text())["inputs"]) == [paths[0]]
 
 
+@pytest.mark.slow
 def test_evaluate_works_after_the_demo_and_compare_after_evaluate(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -90,6 +91,18 @@ def test_evaluate_works_after_the_demo_and_compare_after_evaluate(
         assert run(["compare", trip, *small, "--protocol", "recorded", "--resamples", "20"]) == 0
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["compare", "demo", "evaluate"]
     assert run(["evaluate", trip, *small, "--out", "out/compare"]) == 2
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that Linux has")
+@pytest.mark.parametrize("words", ["", "--help", "trips a.csv"])
+def test_what_is_printed_where_there_is_no_room_costs_one_line(words: str, folder: Path) -> None:
+    with Path("/dev/full").open("w") as full:
+        found = subprocess.run(  # noqa: S603 - our own interpreter
+            [sys.executable, "-m", "modelcast", *words.split()],
+            cwd=folder, stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+        )  # fmt: skip
+    line = "modelcast: No space left on device. Make room there, or name another place.\n"
+    assert (found.returncode, found.stderr) == (2, line)
 
 
 @pytest.mark.parametrize("command", ["evaluate", "compare", "coverage"])
@@ -168,6 +181,7 @@ def test_help_imports_no_heavy_library(command: str) -> None:
     subprocess.run([sys.executable, "-c", script, *words], check=True, capture_output=True)  # noqa: S603
 
 
+@pytest.mark.slow
 def test_doctor_finds_this_installation_well(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -219,6 +233,7 @@ class Waning(Coasting):
 """
 
 
+@pytest.mark.slow
 def test_doctor_tells_what_other_packages_bring_and_whether_it_can_be_had(
     other_package: Callable[..., Path], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,8 +1,10 @@
 """Ctrl-C while compiled code runs: 130 and one line."""
 
 import os
+import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -44,6 +46,7 @@ def test_an_interrupt_in_an_evaluation_ends_with_130_and_one_line(tmp_path: Path
     assert not [one for one in tmp_path.iterdir() if one.name != "drive.csv"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
 def test_a_signal_that_comes_while_a_kernel_runs_is_seen_when_it_returns(tmp_path: Path) -> None:
     """A timer interrupts the main thread in the middle of a long kernel of many calls by address."""
@@ -90,6 +93,7 @@ sys.exit(app.run(sys.argv[1:]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
 def test_an_interrupt_that_a_library_makes_an_error_of_still_says_what_is_kept(tmp_path: Path) -> None:
     write_csv([generate_drive(seed=1, duration_s=90.0).input], tmp_path / "drive.csv")
@@ -99,6 +103,75 @@ def test_an_interrupt_that_a_library_makes_an_error_of_still_says_what_is_kept(t
         [sys.executable, "-c", SWALLOWED, *words], env=known, capture_output=True, text=True, check=False
     )
     assert (found.returncode, found.stderr) == (130, "modelcast: interrupted; 2 runs are kept\n")
+
+
+BROKEN = """
+import signal, sys
+from modelcast.cli import app, signals
+from modelcast.station.sender import speaking_kernels
+
+def walk(*arguments):
+    try:
+        signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt:
+        pass
+    raise RuntimeError("half of it is missing")
+
+signals.install()
+speaking_kernels.speak_through = walk
+sys.exit(app.run(sys.argv[1:]))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
+def test_an_interrupt_that_breaks_a_library_is_still_one_line(tmp_path: Path) -> None:
+    write_csv([generate_drive(seed=1, duration_s=90.0).input], tmp_path / "drive.csv")
+    known = {**os.environ, "PYTHONPATH": str(Path(modelcast.__file__).parent.parent)}
+    words = "evaluate", str(tmp_path / "drive.csv"), "--out", str(tmp_path / "out")
+    found = subprocess.run(  # noqa: S603 - our own interpreter
+        [sys.executable, "-c", BROKEN, *words], env=known, capture_output=True, text=True, check=False
+    )
+    assert (found.returncode, found.stderr) == (130, "modelcast: interrupted\n")
+
+
+CLOSING = """
+import asyncio, os, signal, sys, threading
+from modelcast.cli import signals
+from modelcast.cli.stopping import stopped_by_signals
+
+async def close():
+    with stopped_by_signals(0.0) as stop:
+        os.kill(os.getpid(), int(sys.argv[1]))
+        await stop.wait()
+        print("closing", flush=True)
+        threading.Event().wait()  # what never ends, and holds the loop up
+
+signals.install()
+asyncio.run(close())
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="nodes and servers do not run there")
+@pytest.mark.parametrize("first", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("second", [signal.SIGINT, signal.SIGTERM])
+def test_a_second_signal_ends_at_once_what_does_not_end_by_the_first(
+    first: signal.Signals, second: signal.Signals
+) -> None:
+    known = {**os.environ, "PYTHONPATH": str(Path(modelcast.__file__).parent.parent)}
+    with subprocess.Popen(  # noqa: S603 - our own interpreter
+        [sys.executable, "-c", CLOSING, str(int(first))],
+        env=known, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as closing:  # fmt: skip
+        assert closing.stdout is not None
+        assert closing.stderr is not None
+        assert closing.stdout.readline() == "closing\n"
+        while closing.poll() is None:
+            # What comes at once after the first is the same key press, delivered twice.
+            closing.send_signal(second)
+            with suppress(subprocess.TimeoutExpired):
+                closing.wait(0.1)
+        said = "modelcast: interrupted again, ended at once\n"
+        assert (closing.returncode, closing.stderr.read()) == (128 + second, said)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")

@@ -33,6 +33,8 @@ class WrongUse:
         The exit code.
     absent
         Module that is not installed.
+    room_bytes
+        The largest file that the system takes then; None for any.
     """
 
     what: str
@@ -41,10 +43,19 @@ class WrongUse:
     remedy: str
     code: int = 2
     absent: str = ""
+    room_bytes: int | None = None
 
 
-def _use(what: str, line: str, *cause: str, remedy: str, code: int = 2, absent: str = "") -> WrongUse:
-    return WrongUse(what, tuple(line.split()), cause, remedy, code, absent)
+def _use(
+    what: str,
+    line: str,
+    *cause: str,
+    remedy: str,
+    code: int = 2,
+    absent: str = "",
+    room_bytes: int | None = None,
+) -> WrongUse:
+    return WrongUse(what, tuple(line.split()), cause, remedy, code, absent, room_bytes)
 
 
 def _table(head: str, row: Callable[[int], str], rows: int = 60) -> str:
@@ -366,6 +377,13 @@ GROUPS: Mapping[str, tuple[WrongUse, ...]] = {
         ),
         _use("A folder that is not there", "convert good.csv --out gone/good.csv", "gone", remedy="make it"),
         _use("No output at all", "convert good.csv", "--out", remedy="modelcast convert --help"),
+        _use(
+            "A disk that is full, here for files over 1 kB",
+            "convert good.csv --out large.csv",
+            "--out large.csv cannot be written",
+            remedy="Make room there",
+            room_bytes=1024,
+        ),
     ),
     "Messages and nodes": (
         _use("Digits that are none", "decode 00zz", "column 3: 'z'", remedy="hexadecimal"),

@@ -13,6 +13,7 @@ from typing import Any
 from unittest.mock import patch
 
 from tests.cli.wrong_uses import GROUPS, WrongUse
+from tests.file_room import room
 
 from modelcast.cli.app import run
 from modelcast.cli.board import PROGRESS_VARIABLE
@@ -76,6 +77,7 @@ def answered(use: WrongUse, folder: Path) -> Answer:
         contextlib.redirect_stderr(err),
         patch.dict(os.environ, _NO_PROGRESS),
         _without(use.absent),
+        room(use.room_bytes),
         warnings.catch_warnings(),
     ):
         warnings.simplefilter("always", ModelcastWarning)  # tests make errors of them

@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 import textwrap
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -210,6 +211,7 @@ def run_fixture(
     )
 
 
+@pytest.mark.slow
 def test_a_changed_callee_compiles_its_callers_anew(tmp_path: Path) -> None:
     fixture_package(tmp_path, 2.0)
     assert run_fixture(tmp_path).stdout == "12.0\n"
@@ -236,6 +238,7 @@ def test_what_is_kept_is_loaded_and_not_compiled(tmp_path: Path) -> None:
     assert run_fixture(tmp_path, watching).stdout == "12.0\n"
 
 
+@pytest.mark.slow
 def test_what_callers_took_in_is_kept_and_python_gets_the_whole(tmp_path: Path) -> None:
     """One process compiles a caller; the next takes the callee from what was kept, and calls it itself."""
     fixture_package(tmp_path, 2.0)
@@ -266,6 +269,7 @@ def test_what_callers_took_in_is_kept_and_python_gets_the_whole(tmp_path: Path) 
     assert run_fixture(tmp_path, other).stdout == "12.0 3.0\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", ["empty", "cut", "bent"])
 def test_a_damaged_file_is_compiled_anew(tmp_path: Path, damage: str) -> None:
     fixture_package(tmp_path, 2.0)
@@ -295,6 +299,7 @@ print(total.is_ready, total.is_kept)
 """
 
 
+@pytest.mark.slow
 def test_whether_a_kernel_is_ready_and_kept_is_known(tmp_path: Path) -> None:
     fixture_package(tmp_path, 2.0)
     assert run_fixture(tmp_path, READY).stdout.splitlines() == ["False False", "True True"]
@@ -315,6 +320,7 @@ def test_a_folder_that_others_may_write_is_not_trusted(tmp_path: Path) -> None:
     assert not list(cache.iterdir())
 
 
+@pytest.mark.slow
 def test_folders_of_older_sources_go(tmp_path: Path) -> None:
     fixture_package(tmp_path, 2.0)
     cache = tmp_path / "cache"
@@ -334,6 +340,7 @@ def test_the_interpreter_alone_gives_the_same(tmp_path: Path) -> None:
     assert not (tmp_path / "cache").exists()
 
 
+@pytest.mark.slow
 def test_an_evaluation_runs_with_the_interpreter_alone(tmp_path: Path) -> None:
     """The same messages, compiled or not, by a bank whose functions call each other by address."""
     program = """
@@ -355,6 +362,7 @@ def test_an_evaluation_runs_with_the_interpreter_alone(tmp_path: Path) -> None:
     assert compiled.stdout == plain.stdout != ""
 
 
+@pytest.mark.slow
 def test_an_exception_in_a_point_function_is_not_swallowed(tmp_path: Path) -> None:
     """A kernel of somebody else's that raises after all ends the call, and is not printed and passed over."""
     package = tmp_path / "fixture_package"
@@ -425,6 +433,7 @@ def start_together(folder: Path, count: int) -> list[str]:
     return [one.communicate()[0] for one in running]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("times", [1, pytest.param(50, marks=pytest.mark.slow)])
 def test_processes_that_meet_a_cold_cache_at_once_agree(tmp_path: Path, times: int) -> None:
     fixture_package(tmp_path, 2.0)
@@ -434,6 +443,78 @@ def test_processes_that_meet_a_cold_cache_at_once_agree(tmp_path: Path, times: i
                 file.unlink()
         assert start_together(tmp_path, 2) == ["12.0\n"] * 2
         assert run_fixture(tmp_path).stdout == "12.0\n"
+
+
+THREADS = """
+import threading
+import numpy as np
+from fixture_package.callee import scaled
+from fixture_package.caller import total
+
+begin, said = threading.Barrier(4), []
+
+def call(one):
+    begin.wait()
+    said.append(total(np.arange(4.0)) if one % 2 else scaled(6.0))
+
+threads = [threading.Thread(target=call, args=(one,)) for one in range(4)]
+for one in threads:
+    one.start()
+for one in threads:
+    one.join()
+print(said)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("times", [1, pytest.param(20, marks=pytest.mark.slow)])
+def test_threads_of_processes_that_meet_a_cold_cache_at_once_agree(tmp_path: Path, times: int) -> None:
+    fixture_package(tmp_path, 2.0)
+    for _ in range(times):
+        for file in (tmp_path / "cache").rglob("*"):
+            if file.is_file():
+                file.unlink()
+        with ThreadPoolExecutor(2) as pool:
+            found = list(pool.map(lambda _: run_fixture(tmp_path, THREADS), range(2)))
+        assert [(one.stdout, one.stderr) for one in found] == [("[12.0, 12.0, 12.0, 12.0]\n", "")] * 2
+
+
+HANDED_OVER = """
+import signal
+import numpy as np
+from numba.core import codegen
+
+inner, met = codegen.JITCodeLibrary._object_compiled_hook, []
+
+def hook(module, octets):
+    if "total" in module.name and not met:
+        met.append(module)
+        {problem}
+    inner(module, octets)
+
+codegen.JITCodeLibrary._object_compiled_hook = hook
+from fixture_package.caller import total
+try:
+    print(total(np.arange(4.0)), total.is_kept)
+except KeyboardInterrupt:
+    print("interrupted")
+print(total(np.arange(4.0)), total.is_kept)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
+def test_an_interrupt_while_code_is_handed_over_is_one(tmp_path: Path) -> None:
+    """LLVM calls back with what it made: what a signal's handler raises there, Python passes over."""
+    fixture_package(tmp_path, 2.0)
+    found = run_fixture(tmp_path, HANDED_OVER.format(problem="signal.raise_signal(signal.SIGINT)"))
+    assert (found.stdout, found.stderr) == ("interrupted\n12.0 True\n", "")
+
+
+def test_code_that_was_lost_when_it_was_handed_over_runs_and_is_not_kept(tmp_path: Path) -> None:
+    fixture_package(tmp_path, 2.0)
+    found = run_fixture(tmp_path, HANDED_OVER.format(problem="raise MemoryError"))
+    assert found.stdout == "12.0 False\n12.0 False\n"
+    assert run_fixture(tmp_path, READY).stdout.splitlines() == ["False False", "True True"]
 
 
 def test_a_point_function_of_other_types_is_refused() -> None:

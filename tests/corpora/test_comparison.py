@@ -95,6 +95,7 @@ def test_it_is_the_comparison_of_all_trips_together(
     assert len(corpus.partitions) == 1 or partitions > 1
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_same_octets_whatever_the_partitions(
     made: Callable[[int], Corpus], tmp_path: Path
 ) -> None:
@@ -181,6 +182,7 @@ sys.exit(app.run(sys.argv[1:]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
 def test_an_interrupt_ends_with_130_and_one_line_and_the_next_run_goes_on(
     made: Callable[[int], Corpus], tmp_path: Path

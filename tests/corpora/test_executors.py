@@ -1,10 +1,14 @@
 """The contract of every executor, and what processes and clusters add to it."""
 
+import errno
 import os
+import signal
 import sys
 from collections.abc import Callable, Generator
 from contextlib import ExitStack
 from functools import partial
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnContext, SpawnProcess
 from pathlib import Path
 
 import pytest
@@ -149,6 +153,44 @@ def test_a_worker_that_dies_while_it_compiles_is_known_to_compile_no_more() -> N
     begun = [one.process for one in told if one.label]
     assert len(begun) == TRIES
     assert [one.process for one in told if not one.label] == begun
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
+def test_a_worker_whose_start_is_interrupted_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C while it starts is held back until it has started, and then nobody else knows it."""
+    started: list[int | None] = []
+    start = SpawnProcess.start
+
+    def press(process: SpawnProcess) -> None:
+        start(process)
+        started.append(process.pid)
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(SpawnProcess, "start", press)
+    with ProcessExecutor(1).start() as crew, pytest.raises(KeyboardInterrupt):
+        list(crew.as_done(pid, [1]))
+    (one,) = started
+    assert one is not None
+    with pytest.raises(ProcessLookupError):
+        os.kill(one, 0)
+
+
+def test_a_worker_that_cannot_be_started_leaves_nothing_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    pipes: list[Connection] = []
+    pipe = SpawnContext.Pipe
+
+    def refuse(_: SpawnProcess) -> None:
+        raise OSError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+
+    def noted(context: SpawnContext, *, duplex: bool = True) -> tuple[Connection, Connection]:
+        pipes.extend(pipe(context, duplex))
+        return pipes[0], pipes[1]
+
+    monkeypatch.setattr(SpawnProcess, "start", refuse)
+    monkeypatch.setattr(SpawnContext, "Pipe", noted)
+    with ProcessExecutor(1).start() as crew, pytest.raises(BlockingIOError):
+        list(crew.as_done(pid, [1]))
+    assert [one.closed for one in pipes] == [True, True]
 
 
 def test_processes_are_other_processes_and_end_with_the_block() -> None:

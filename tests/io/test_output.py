@@ -5,13 +5,19 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
+import numpy as np
+import polars as pl
+import pyarrow.parquet as pq
 import pytest
 
+from file_room import room
 from modelcast.core.exceptions import ConfigError
 from modelcast.io.manifest import MANIFEST
-from modelcast.io.output import atomic_file, atomic_folder, require_apart
+from modelcast.io.output import atomic_file, atomic_folder, require_apart, written_into
 
 WRITER = """
 import os, signal, sys
@@ -197,6 +203,56 @@ def test_the_result_of_another_command_is_not_replaced(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="needs Linux's /proc")
+@pytest.mark.skipif(os.name == "nt", reason="limits as POSIX has them")
+@pytest.mark.parametrize("write", ["python", "polars", "arrow"])
+def test_where_there_is_no_room_the_output_is_named_and_not_what_was_begun(
+    write: str, tmp_path: Path
+) -> None:
+    frame = pl.DataFrame({"a": np.arange(4096)})
+    writers: dict[str, Callable[[Path], object]] = {
+        "python": lambda path: path.write_bytes(bytes(4096)),
+        "polars": frame.write_csv,
+        "arrow": lambda path: pq.write_table(frame.to_arrow(), path),
+    }
+
+    def run() -> None:
+        with room(1024), atomic_folder(tmp_path / "out", shown="--out") as folder:
+            writers[write](folder / "a")
+
+    with pytest.raises(ConfigError, match=r"^--out cannot be written: File too large\. Make room there"):
+        run()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_files_that_are_written_into_a_folder_take_their_places_together(tmp_path: Path) -> None:
+    (tmp_path / "figures").mkdir()
+    for name in ("a", "other", "figures/b"):
+        (tmp_path / name).write_text("old")
+
+    def write(place: Path, *, ends_well: bool) -> list[Path]:
+        (place / "figures").mkdir()
+        (place / "a").write_text("new")
+        if not ends_well:
+            raise KeyboardInterrupt
+        (place / "figures" / "b").write_text("new")
+        return [place / "a", place / "figures" / "b"]
+
+    with pytest.raises(KeyboardInterrupt):
+        written_into(tmp_path, partial(write, ends_well=False))
+    assert contents(tmp_path) == {"a": "old", "other": "old", "figures/b": "old"}
+    assert written_into(tmp_path, partial(write, ends_well=True)) == [
+        tmp_path / "a",
+        tmp_path / "figures" / "b",
+    ]
+    assert contents(tmp_path) == {"a": "new", "other": "old", "figures/b": "new"}
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """Texts of all files of a folder."""
+    found = [path for path in folder.rglob("*") if path.is_file()]
+    return {path.relative_to(folder).as_posix(): path.read_text() for path in found}
+
+
 def test_a_folder_that_takes_no_new_one_is_named_and_nobody_waits() -> None:
     with pytest.raises(ConfigError, match="/proc/out cannot be written: "), atomic_folder("/proc/out"):
         pass

@@ -240,6 +240,7 @@ def test_the_free_sub_model_has_the_colour_of_the_free_receiver() -> None:
     assert len(set(colours.values())) == 4
 
 
+@pytest.mark.slow
 def test_trips_are_one_row_each_until_they_are_too_many(make_result: Make) -> None:
     few = plot_trips(make_result(trips=[f"t/{k}" for k in range(MOST_ROWS)], ratios=(0.4,)))
     assert len(few.axes[0].get_yticks()) == MOST_ROWS
@@ -251,14 +252,14 @@ def test_trips_are_one_row_each_until_they_are_too_many(make_result: Make) -> No
     "options",
     [
         {"thresholds": (0.5,)},
-        {"ratios": (0.0,)},
+        pytest.param({"ratios": (0.0,)}, marks=pytest.mark.slow),
         {"trips": ("only/1",)},
-        {"seeds": 1},
+        pytest.param({"seeds": 1}, marks=pytest.mark.slow),
         {"timeline": False, "manoeuvre": False},
         {"thresholds": (0.5,), "ratios": (0.4,), "trips": ("only/1",), "seeds": 1, "timeline": False},
-        {"thresholds": tuple(k / 20 for k in range(1, 13))},
-        {"thresholds": (0.1, 0.2, 0.3, 0.4, 0.5)},
-        {"steps": 1},
+        pytest.param({"thresholds": tuple(k / 20 for k in range(1, 13))}, marks=pytest.mark.slow),
+        pytest.param({"thresholds": (0.1, 0.2, 0.3, 0.4, 0.5)}, marks=pytest.mark.slow),
+        pytest.param({"steps": 1}, marks=pytest.mark.slow),
         {"trips": ("路/$1$", "a" * 200, "__{}\\frac")},
     ],
     ids=str,
@@ -301,8 +302,12 @@ def crossing(figure: Figure) -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"thresholds": (0.5,)}, {"thresholds": tuple(k / 10 for k in range(1, 8))}, {"trips": ("only/1",)}],
-    ids=["four thresholds", "one", "seven", "one trip"],
+    [
+        pytest.param({}, id="four thresholds"),
+        pytest.param({"thresholds": (0.5,)}, id="one", marks=pytest.mark.slow),
+        pytest.param({"thresholds": tuple(k / 10 for k in range(1, 8))}, id="seven", marks=pytest.mark.slow),
+        pytest.param({"trips": ("only/1",)}, id="one trip"),
+    ],
 )
 def test_no_two_texts_of_a_figure_cross(make_result: Make, options: dict[str, object]) -> None:
     result = with_references(make_result(**options), 9.0)
@@ -356,6 +361,7 @@ def test_one_trip_without_pooled_rows_stands_for_all(make_result: Make) -> None:
     assert plot_rates(alone).axes[0].containers
 
 
+@pytest.mark.slow
 def test_files_are_the_same_twice_and_name_no_date(make_result: Make, tmp_path: Path) -> None:
     first = write_figures(make_result(), tmp_path / "a")
     second = write_figures(make_result(), tmp_path / "b")

@@ -176,6 +176,7 @@ def test_with_one_bank_curves_bear_the_policy_alone(name: str) -> None:
     assert set(looks(figure.axes[0])) == set(POLICIES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NETWORK_FIGURES)
 def test_figures_are_drawn_where_nothing_was_tracked(name: str) -> None:
     with style():

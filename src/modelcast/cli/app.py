@@ -5,7 +5,6 @@ bad input or no usable trip; 3 some trips failed, the rest is complete; 130 inte
 output stopped reading; 143 ended by SIGTERM.
 """
 
-import errno
 import os
 import signal
 import sys
@@ -21,17 +20,9 @@ from modelcast.cli.signals import INTERRUPTED, TERMINATED, Terminated, heeded, t
 from modelcast.cli.terminal import complain, say
 from modelcast.cli.usage import usage_problem
 from modelcast.core.exceptions import ModelcastError, ModelcastWarning
+from modelcast.core.refusals import refusal
 
 __all__ = ["BROKEN_PIPE", "USAGE", "app", "run"]
-
-_REMEDIES = {
-    errno.ENOENT: ". Check the path.",
-    errno.EACCES: ". Name a place that you may read and write.",
-    errno.ENOSPC: ". Make room, or name another place; nothing was kept.",
-    errno.EROFS: ". Name another place.",
-    errno.EADDRINUSE: ". Another program listens there: end it, or name another port.",
-}
-"""What to do, by what the operating system refused."""
 
 USAGE = 2
 BROKEN_PIPE = 141
@@ -76,14 +67,14 @@ def run(arguments: Sequence[str]) -> int:
     arguments
         The words after ``modelcast``.
     """
-    if not arguments:
-        for line in FIRST_STEPS.splitlines():
-            say(line)
-        return 0
     try:
         code = _run(arguments)
     except KeyboardInterrupt as error:
         return _interrupted(error)
+    except Exception as error:
+        if taken() is None:
+            raise
+        return _interrupted(_made_of(error))
     return code if taken() is None else _interrupted(None)
 
 
@@ -91,7 +82,7 @@ def _run(arguments: Sequence[str]) -> int:
     """Run one command; an interrupt gets out."""
     try:
         with _warnings_told(), _attended(arguments):
-            code = app(list(arguments))
+            code = app(list(arguments)) if arguments else _tell_first_steps()
         sys.stdout.flush()
     except CycloptsError as error:
         complain(usage_problem(error, arguments))
@@ -103,11 +94,18 @@ def _run(arguments: Sequence[str]) -> int:
         return _stop_printing()
     except (ModelcastError, OSError) as error:
         # Readers name their files themselves: what is left of OSError is a place that cannot be written.
-        if taken() is not None:  # a library has made this of an interrupt
-            raise _made_of(error) from None
+        if taken() is not None:  # it is what a library has made of an interrupt
+            raise
         complain(_place_and_reason(error) if isinstance(error, OSError) else error)
         return USAGE
     return code if isinstance(code, int) else 0
+
+
+def _tell_first_steps() -> int:
+    """Say what to type first."""
+    for line in FIRST_STEPS.splitlines():
+        say(line)
+    return 0
 
 
 def _made_of(error: BaseException) -> KeyboardInterrupt:
@@ -156,9 +154,7 @@ def _attended(arguments: Sequence[str]) -> AbstractContextManager[None]:
 
 
 def _place_and_reason(error: OSError) -> str:
-    remedy = _REMEDIES.get(error.errno or 0, "")
-    reason = f"{error.strerror or error}{remedy}"
-    return f"{error.filename}: {reason}" if error.filename else reason
+    return f"{error.filename}: {refusal(error)}" if error.filename else refusal(error)
 
 
 def _stop_printing() -> int:

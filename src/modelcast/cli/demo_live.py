@@ -108,15 +108,15 @@ async def _run_all(nodes: "Mapping[str, LiveNode]", duration_s: float) -> None:
     """Run all nodes until the time is over or a signal comes, and tell what the third believes."""
     import asyncio
 
-    from modelcast.cli.node import stopped_by_signals
+    from modelcast.cli.stopping import stopped_by_signals
 
-    stop = stopped_by_signals(duration_s)
-    telling = asyncio.create_task(_tell(nodes, stop))
-    try:
-        await asyncio.gather(*(node.run(stop) for node in nodes.values()))
-    finally:
-        stop.set()
-        await telling
+    with stopped_by_signals(duration_s) as stop:
+        telling = asyncio.create_task(_tell(nodes, stop))
+        try:
+            await asyncio.gather(*(node.run(stop) for node in nodes.values()))
+        finally:
+            stop.set()
+            await telling
 
 
 async def _tell(nodes: "Mapping[str, LiveNode]", stop: "asyncio.Event") -> None:

@@ -43,5 +43,6 @@ def write_drives(out: Path, *, duration_s: float, seed: int, shown: str) -> list
     with atomic_folder(out, command="demo --trips", shown=shown) as folder:
         for number, name in enumerate(names):
             drive = generate_drive(seed=seed + number, duration_s=duration_s)
-            write_csv(replace(drive.input, trip_id=name), folder / f"{name}.csv")
+            with (folder / f"{name}.csv").open("wb") as file:
+                write_csv(replace(drive.input, trip_id=name), file)
     return [f"{name}.csv" for name in names]

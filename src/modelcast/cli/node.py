@@ -4,15 +4,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    import asyncio
-
     from modelcast.node.config import NodeConfig
     from modelcast.node.journal import Journal
     from modelcast.node.live import LiveNode
     from modelcast.station.sender.sender import Sender
 
 
-__all__ = ["node", "sender_of_config", "stopped_by_signals"]
+__all__ = ["node", "sender_of_config"]
 
 _SOON_S = 86_400.0
 
@@ -156,44 +154,10 @@ def _check_credentials(config: "NodeConfig") -> None:
 
 async def _run(live: "LiveNode", duration_s: float) -> None:
     """Run until a signal, or the end of the time."""
-    await live.run(stopped_by_signals(duration_s))
+    from modelcast.cli.stopping import stopped_by_signals
 
-
-def stopped_by_signals(duration_s: float) -> "asyncio.Event":
-    """What is set by SIGTERM, by Ctrl-C, or after a time; to be called in a running loop.
-
-    SIGTERM is how a service is stopped; Ctrl-C is noted, so that the command ends as interrupted.
-
-    Parameters
-    ----------
-    duration_s
-        The time [s]; 0 for none.
-
-    Raises
-    ------
-    ConfigError
-        On Windows, whose event loop watches neither signals nor datagram sockets as nodes need it.
-    """
-    import asyncio
-    import signal
-    import sys
-
-    from modelcast.cli.signals import take
-    from modelcast.core.exceptions import ConfigError
-
-    if sys.platform == "win32":
-        raise ConfigError("nodes and servers run on Linux and macOS, not on Windows")
-    stop, loop = asyncio.Event(), asyncio.get_running_loop()
-
-    def interrupted() -> None:
-        take(signal.SIGINT)
-        stop.set()
-
-    loop.add_signal_handler(signal.SIGTERM, stop.set)
-    loop.add_signal_handler(signal.SIGINT, interrupted)
-    if duration_s:
-        loop.call_later(duration_s, stop.set)
-    return stop
+    with stopped_by_signals(duration_s) as stop:
+        await live.run(stop)
 
 
 def sender_of_config(config: "NodeConfig") -> "Sender":

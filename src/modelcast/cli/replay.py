@@ -55,7 +55,7 @@ def _emit(log: Path, times: float, place: tuple[str, int, str]) -> int:
     """Send the frames again."""
     import asyncio
 
-    from modelcast.cli.node import stopped_by_signals
+    from modelcast.cli.stopping import stopped_by_signals
     from modelcast.cli.terminal import say
     from modelcast.core.exceptions import ConfigError
     from modelcast.node.clock import SystemClock
@@ -70,8 +70,8 @@ def _emit(log: Path, times: float, place: tuple[str, int, str]) -> int:
     async def run() -> int:
         transport = MulticastTransport(clock.now_s, group=group, port=port, interface=interface, hops=1)
         try:
-            stop = stopped_by_signals(0.0)
-            return await emit_recording(log, transport, clock, times_as_fast=times, stop=stop)
+            with stopped_by_signals(0.0) as stop:
+                return await emit_recording(log, transport, clock, times_as_fast=times, stop=stop)
         finally:
             transport.close()
 

@@ -67,18 +67,18 @@ async def _serve(server: "StepServer", path: str | None, port: int, *, once: boo
     """Serve until a signal, or until the first session has ended."""
     import asyncio
 
-    from modelcast.cli.node import stopped_by_signals
+    from modelcast.cli.stopping import stopped_by_signals
     from modelcast.cli.terminal import say
 
-    stop = stopped_by_signals(0.0)
-    listening = await server.listen(path=path, port=port)
-    place = path if path is not None else f"127.0.0.1:{listening.sockets[0].getsockname()[1]}"
-    say(f"listening at {place}")
-    ends: set[asyncio.Task[bool]] = {asyncio.create_task(stop.wait())}
-    if once:
-        ends.add(asyncio.create_task(server.served.wait()))
-    await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
-    listening.close()
-    await server.close()
-    for one in ends:
-        one.cancel()
+    with stopped_by_signals(0.0) as stop:
+        listening = await server.listen(path=path, port=port)
+        place = path if path is not None else f"127.0.0.1:{listening.sockets[0].getsockname()[1]}"
+        say(f"listening at {place}")
+        ends: set[asyncio.Task[bool]] = {asyncio.create_task(stop.wait())}
+        if once:
+            ends.add(asyncio.create_task(server.served.wait()))
+        await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+        listening.close()
+        await server.close()
+        for one in ends:
+            one.cancel()

@@ -3,6 +3,7 @@
 The first becomes a `KeyboardInterrupt`, wherever the main thread is: blocks end, temporary files go, workers
 are ended. Where a library swallows that it is sent again. A second one ends the process and its workers at
 once; what is left half written then goes with the next run to the same place (`modelcast.io.partial`).
+What runs on until it is told to stop closes what is open by the first instead (`modelcast.cli.stopping`).
 """
 
 import os
@@ -13,7 +14,17 @@ import time
 from types import FrameType
 from typing import Any
 
-__all__ = ["INTERRUPTED", "TERMINATED", "Terminated", "finish", "heeded", "install", "take", "taken"]
+__all__ = [
+    "INTERRUPTED",
+    "TERMINATED",
+    "Terminated",
+    "close_by",
+    "finish",
+    "heeded",
+    "install",
+    "take",
+    "taken",
+]
 
 INTERRUPTED = 128 + 2
 TERMINATED = 128 + 15
@@ -28,12 +39,12 @@ class Terminated(KeyboardInterrupt):
 
 
 class _Arrived:
-    """The signal that arrived first, when, whether it is on its way again, and whether it was heeded."""
+    """The signal that arrived first, when, and what has come of it."""
 
     def __init__(self) -> None:
         self.first: int | None = None
         self.at_s = 0.0
-        self.sent_again = self.heeded = False
+        self.sent_again = self.heeded = self.ends_well = False
 
 
 _arrived = _Arrived()
@@ -53,8 +64,20 @@ def finish() -> None:
 
 
 def taken() -> int | None:
-    """Return the signal that ends this process, None where none has arrived."""
-    return _arrived.first
+    """Return the signal that interrupts this process, None where none has arrived."""
+    return None if _arrived.ends_well else _arrived.first
+
+
+def close_by(number: int) -> None:
+    """Note the signal by which what runs on is told to stop; one more ends the process at once.
+
+    Parameters
+    ----------
+    number
+        The signal. SIGTERM is how a service is stopped: the command ends well by it.
+    """
+    if take(number):
+        _arrived.ends_well = number == signal.SIGTERM
 
 
 def heeded() -> None:

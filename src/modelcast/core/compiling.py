@@ -5,8 +5,9 @@ import sys
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
-__all__ = ["Compiling", "Listener", "announced", "hear", "tell", "watch"]
+__all__ = ["Compiling", "Listener", "announced", "hear", "interrupts_raised", "tell", "watch"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,3 +105,28 @@ def announced(label: str, count: Callable[[], int]) -> Generator[None]:
         state.depth -= 1
         if not state.depth:
             hear(Compiling("", 0, os.getpid()))
+
+
+@contextmanager
+def interrupts_raised() -> Generator[None]:
+    """Raise an interrupt that comes where Python passes it over, as soon as the block ends.
+
+    LLVM hands over what it made by calling back. A signal that arrived while it worked is handled there, and
+    what its handler raises goes to ``sys.unraisablehook`` instead of the caller; the code is lost with it.
+    """
+    passed_over: list[type[KeyboardInterrupt]] = []
+    before = sys.unraisablehook
+
+    def note(problem: Any) -> None:
+        if isinstance(problem.exc_type, type) and issubclass(problem.exc_type, KeyboardInterrupt):
+            passed_over.append(problem.exc_type)
+        else:
+            before(problem)
+
+    sys.unraisablehook = note
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
+        if passed_over:
+            raise passed_over[0]

@@ -153,11 +153,11 @@ class Kernel(registry.CPUDispatcher):  # type: ignore[misc]
             kept = _kept(form, file)
             if kept is not None:
                 return kept
-            with compiling.announced(self.label, self._missing):
+            with compiling.announced(self.label, self._missing), compiling.interrupts_raised():
                 made = form.compiled(signature)
             if made.library.has_dynamic_globals:
                 raise TypeError(f"{self.label} holds an address or a large array: give it as an argument")
-            if file is not None:
+            if file is not None and form.is_whole(made):
                 try:
                     file.write(_serialize.dumps(form.reduced(made)))
                 except OSError as error:
@@ -243,6 +243,10 @@ class _Own:
             return_type=signature.return_type, flags=one.flags(), locals={},
         )  # fmt: skip
 
+    def is_whole(self, made: Any) -> bool:
+        """Whether LLVM has handed the code over: it calls back for that, where errors are passed over."""
+        return made.library._compiled_object is not None  # noqa: SLF001
+
     def reduced(self, made: Any) -> Any:
         """Return what is kept of it."""
         return made._reduce()  # noqa: SLF001
@@ -270,6 +274,10 @@ class _Part(_Own):
             return_type=signature.return_type, flags=flags, locals={}, library=self._library(),
         )  # fmt: skip
         return self._entered(made._replace(entry_point=object()))
+
+    def is_whole(self, made: Any) -> bool:
+        del made  # nothing is translated
+        return True
 
     def reduced(self, made: Any) -> Any:
         made.fndesc.typemap = made.fndesc.calltypes = None

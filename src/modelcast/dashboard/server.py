@@ -6,6 +6,8 @@ It answers five kinds of request and nothing else, and every request passes `mod
 import asyncio
 import json
 import socket
+from collections.abc import Generator
+from contextlib import contextmanager, nullcontext
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
@@ -85,7 +87,7 @@ def page_app(feed: AbstractFeed, gate: Gate) -> Starlette:
     return app
 
 
-def page_server(feed: AbstractFeed, gate: Gate) -> uvicorn.Server:
+def page_server(feed: AbstractFeed, gate: Gate, *, heeds_signals: bool = True) -> uvicorn.Server:
     """The page's server; ``await server.serve(sockets=[listen(...)])`` runs it until ``should_exit``.
 
     It logs no request, so no token comes into a log.
@@ -94,6 +96,8 @@ def page_server(feed: AbstractFeed, gate: Gate) -> uvicorn.Server:
     ----------
     feed, gate
         As in `page_app`.
+    heeds_signals
+        Whether SIGINT and SIGTERM end it; else they are left to whoever runs it.
     """
     config = uvicorn.Config(
         page_app(feed, gate),
@@ -107,7 +111,7 @@ def page_server(feed: AbstractFeed, gate: Gate) -> uvicorn.Server:
         timeout_graceful_shutdown=1,
         backlog=64,
     )
-    return uvicorn.Server(config)
+    return _PageServer(config, heeds_signals=heeds_signals)
 
 
 def listen(host: str, port: int, gate: Gate) -> socket.socket:
@@ -193,6 +197,20 @@ def _time_of(text: str) -> float | None:
     except ValueError:
         return None
     return float(request["at_s"])
+
+
+class _PageServer(uvicorn.Server):
+    """A server whose signals may be somebody else's."""
+
+    def __init__(self, config: uvicorn.Config, *, heeds_signals: bool) -> None:
+        super().__init__(config)
+        self._heeds_signals = heeds_signals
+
+    @contextmanager
+    def capture_signals(self) -> Generator[None]:
+        """Take the handlers of signals for as long as the block lasts, where they are its own."""
+        with super().capture_signals() if self._heeds_signals else nullcontext():
+            yield
 
 
 class _Guarded:

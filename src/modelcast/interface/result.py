@@ -6,7 +6,7 @@ from pathlib import Path
 import polars as pl
 
 from modelcast.io.frames import frame_html
-from modelcast.io.output import output_folder
+from modelcast.io.output import written_into
 
 __all__ = ["AbstractFrames"]
 
@@ -45,8 +45,7 @@ class AbstractFrames(ABC):
         ConfigError
             Where the folder cannot be made or written into.
         """
-        with output_folder(folder) as place:
-            return self._write(place)
+        return written_into(folder, self._write)
 
     def report(self, folder: str | Path) -> list[Path]:
         """Write the report and its figures and return their paths.
@@ -61,8 +60,7 @@ class AbstractFrames(ABC):
         ConfigError
             Where the folder cannot be made or written into.
         """
-        with output_folder(folder) as place:
-            return self._report(place)
+        return written_into(folder, self._report)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.scope})"

@@ -10,12 +10,13 @@ import errno
 import os
 import shutil
 import stat
-from collections.abc import Generator, Iterable
+from collections.abc import Callable, Generator, Iterable
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
 from modelcast.core.exceptions import ConfigError
+from modelcast.core.refusals import is_full, refusal
 from modelcast.io.manifest import require_replaceable, write_manifest
 from modelcast.io.partial import clean_leftovers, old_sibling, partial_file, partial_folder
 
@@ -23,9 +24,9 @@ __all__ = [
     "atomic_file",
     "atomic_folder",
     "lasting_rename",
-    "output_folder",
     "require_apart",
     "require_writable",
+    "written_into",
 ]
 
 _TAKEN = frozenset({errno.EEXIST, errno.ENOTEMPTY})
@@ -57,7 +58,7 @@ def atomic_folder(
     ConfigError
         Where `path` is a file, is the working folder, holds files that modelcast did not write, or holds the
         result of another command. It is raised before the block runs, and again after it if such a file has
-        appeared meanwhile.
+        appeared meanwhile. Also where there is no room for what the block writes.
 
     Notes
     -----
@@ -84,7 +85,7 @@ def atomic_folder(
             try:
                 partial = stack.enter_context(partial_folder(target))
             except OSError as error:
-                raise ConfigError(f"{shown} cannot be written: {error.strerror or error}") from error
+                raise ConfigError(f"{shown} cannot be written: {refusal(error)}") from error
             yield partial
             write_manifest(partial, command)
             _sync_tree(partial)
@@ -96,6 +97,8 @@ def atomic_folder(
             with suppress(OSError):
                 folder.rmdir()
         _note_left(error, target, told, written)
+        if isinstance(error, OSError) and is_full(error):  # whoever wrote named no file, or the temporary one
+            raise ConfigError(f"{shown} cannot be written: {refusal(error)}") from error
         raise
 
 
@@ -173,39 +176,65 @@ def atomic_file(
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise ConfigError(f"{shown} cannot be written: {error.strerror or error}") from error
+        raise ConfigError(f"{shown} cannot be written: {refusal(error)}") from error
     except KeyboardInterrupt as error:
         _note_left(error, target, told, written)
         raise
 
 
-@contextmanager
-def output_folder(path: str | Path) -> Generator[Path]:
-    """Yield a folder to write files into; it and its parents are made where they are missing.
+def written_into(path: str | Path, write: Callable[[Path], Iterable[Path]]) -> list[Path]:
+    """Have files written into a folder, where each is whole; return their paths.
 
     Parameters
     ----------
     path
-        The folder. Files in it that are not written now stay.
+        The folder; it and its parents are made where they are missing. Files in it that are not written now
+        stay.
+    write
+        Is given a temporary folder in `path` to write into, and returns what it wrote there.
 
     Raises
     ------
     ConfigError
         Where it is a file, or the operating system refuses to make it or to write into it.
 
+    Notes
+    -----
+    Files take their places when all are written: an error or an interrupt while they are leaves those that
+    were there. An interrupt between two renamings leaves one file of old and another of now.
+
     Examples
     --------
     >>> import tempfile
-    >>> with output_folder(Path(tempfile.mkdtemp()) / "a" / "b") as folder:
-    ...     _ = (folder / "c.txt").write_text("c")
+    >>> target = Path(tempfile.mkdtemp()) / "a" / "b"
+    >>> def write(folder: Path) -> list[Path]:
+    ...     (folder / "c.txt").write_text("c")
+    ...     return [folder / "c.txt"]
+    >>> written_into(target, write) == [target / "c.txt"] == list(target.iterdir())
+    True
     """
     folder = Path(path)
+    stem = folder / "output"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        yield folder
+        clean_leftovers(stem)
+        with partial_folder(stem) as partial:
+            written = [folder / one.relative_to(partial) for one in write(partial)]
+            _move_into(folder, partial)
     except OSError as error:
-        why = "it is a file" if folder.is_file() else error.strerror or error
+        why = "it is a file" if folder.is_file() else refusal(error).rstrip(".")
         raise ConfigError(f"{path} cannot be written into: {why}: name another folder") from error
+    return written
+
+
+def _move_into(target: Path, source: Path) -> None:
+    """Rename all that is in a folder into another one, where files of the same name are replaced."""
+    for item in sorted(source.iterdir()):
+        place = target / item.name
+        if item.is_dir() and place.is_dir():
+            _move_into(place, item)
+        else:
+            item.replace(place)
 
 
 def lasting_rename(partial: Path, target: Path) -> None:

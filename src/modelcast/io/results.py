@@ -31,7 +31,7 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.core.version import package_version
 from modelcast.io.arrow import columns_table, plain_text, write_tables
 from modelcast.io.documents import document_text, plain_value, row_document
-from modelcast.io.output import atomic_file, output_folder
+from modelcast.io.output import atomic_file, written_into
 from modelcast.io.record_files import EVENTS_FILE, SAMPLES_FILE, RecordFiles
 from modelcast.io.table_files import csv_text
 from modelcast.study.result import EvaluationResult, HoldsEvaluation, result_of
@@ -86,13 +86,16 @@ def write_results(result: EvaluationResult | HoldsEvaluation, folder: str | Path
         Where the folder cannot be made or written into.
     """
     found = result_of(result)
-    with output_folder(folder) as place:
+
+    def write(place: Path) -> list[Path]:
         summary = write_summary(found, place)
         with RecordFiles(place) as records:
             records.add_events(found.events)
             for block in found.samples:
                 records.add_samples(block)
         return [summary, place / EVENTS_FILE, place / SAMPLES_FILE]
+
+    return written_into(folder, write)
 
 
 def write_summary(result: EvaluationResult, folder: Path) -> Path:

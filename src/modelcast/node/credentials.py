@@ -20,6 +20,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from modelcast.core.exceptions import CodecError, ConfigError
+from modelcast.core.refusals import refusal
+from modelcast.io.output import written_into
 from modelcast.messages.psids import SAFETY_PSID
 from modelcast.messages.security.authority import Authority
 from modelcast.messages.security.certificate import Certificate
@@ -100,21 +102,27 @@ def make_credentials(
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise ConfigError(f"{folder} is there and not an empty folder: name another")
     issuer = None if authority is None else read_authority(authority)
-    try:
-        for one in (folder, folder / "own", folder / "trusted"):
-            one.mkdir(mode=0o700, parents=True, exist_ok=True)
-        if issuer is None:
-            issuer = Authority.create(_drawn(random), start_s=start_s, duration_s=duration_s)
-            _write_pair(folder / "authority", "authority", issuer.key, issuer.certificate)
-        (folder / "trusted" / "authority.cert").write_bytes(issuer.certificate.octets)
+
+    def write(place: Path) -> list[Path]:
+        by = issuer
+        (place / "trusted").mkdir(mode=0o700)
+        if by is None:
+            by = Authority.create(_drawn(random), start_s=start_s, duration_s=duration_s)
+            _write_pair(place / "authority", "authority", by.key, by.certificate)
+        (place / "trusted" / "authority.cert").write_bytes(by.certificate.octets)
         for number in range(1, count + 1):
             key = _drawn(random)
-            certificate = issuer.issue(key.public_octets, start_s=start_s, duration_s=duration_s, psids=psids)
-            _write_pair(folder / "own", f"{number:04d}", key, certificate)
+            certificate = by.issue(key.public_octets, start_s=start_s, duration_s=duration_s, psids=psids)
+            _write_pair(place / "own", f"{number:04d}", key, certificate)
+        return []
+
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        written_into(folder, write)
     except ValueError as error:
         raise ConfigError(str(error)) from error
     except OSError as error:
-        raise ConfigError(f"{folder}: cannot be written: {error.strerror or error}") from error
+        raise ConfigError(f"{folder} cannot be written into: {refusal(error)}") from error
     return read_credentials(folder)
 
 

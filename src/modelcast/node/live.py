@@ -385,7 +385,7 @@ class LiveNode:
             host, port = place.getsockname()[:2]
             if self._show is not None:
                 self._show(f"http://{host}:{port}/" + (f"?token={gate.token}" if gate.token else ""))
-            server = page_server(feed, gate)
+            server = page_server(feed, gate, heeds_signals=False)
             async with _running(server.serve(sockets=[place]), ends_s=_STOPPING_S):
                 try:
                     yield publish

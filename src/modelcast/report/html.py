@@ -9,7 +9,7 @@ from pathlib import Path
 
 from modelcast.core.cells import Cells, escape, number
 from modelcast.core.version import package_version
-from modelcast.io.output import output_folder
+from modelcast.io.output import written_into
 from modelcast.report.captions import PROTOCOLS, TITLES, captions, loss_conditions
 from modelcast.report.console import scope_line, training_lines
 from modelcast.report.figures import Drawing, draw_figures
@@ -62,9 +62,8 @@ def write_report(result: EvaluationResult | HoldsEvaluation, folder: str | Path)
     """
     found = result_of(result)
     drawings = draw_figures(found)
-    with output_folder(folder) as place:
-        texts = {"report.html": report_document(found, drawings)}
-        return write_report_files(texts, drawings, place, figures="figures")
+    texts = {"report.html": report_document(found, drawings)}
+    return written_into(folder, lambda place: write_report_files(texts, drawings, place, figures="figures"))
 
 
 def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> str:

@@ -181,7 +181,9 @@ class _Worker:
             with one_thread_processes({} if memory_bytes is None else LIMITED), undisturbed():
                 self._process.start()
         except BaseException:
-            if self._process.pid is not None:  # nobody else knows it
+            if self._process.pid is None:
+                self.pipe.close()
+            else:  # nobody else knows it
                 self.end()
             raise
         finally:
