@@ -1,7 +1,8 @@
 """An evaluation of a safety application in the terminal, as Markdown and as a page."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Group, RenderableType
 
@@ -77,6 +78,8 @@ def safety_headline(result: SafetyResult) -> list[str]:
         for row in own:
             at = shown[kind_of(row)]
             if row.packet_error_ratio != at or row.candidate == against:
+                continue
+            if reading != basis and row.candidate != budget:  # the table has the others
                 continue
             equal = (
                 f"at the same threshold ({row.message_rate_hz:.2f} messages a second)"
@@ -168,6 +171,7 @@ def write_safety_report(
     training_trips: Sequence[str],
     trips: int,
     beside: Sequence[Path] = (),
+    defaults: Mapping[str, Any] | None = None,
 ) -> list[Path]:
     """Write ``table.md``, ``report.html`` and the figures; return their paths.
 
@@ -181,6 +185,8 @@ def write_safety_report(
         Trips that a bank was trained on, and how many there were.
     beside
         Output folders of other commands whose figures are shown too.
+    defaults
+        As for `settings_section`; those of `SafetySettings` where None.
     """
     with style():
         shown = {name: (caption, plot(result)) for name, (caption, plot) in SAFETY_FIGURES.items()}
@@ -200,9 +206,10 @@ def write_safety_report(
     if result.failures or result.skipped:
         left_out = [*result.failures.items(), *result.skipped.items()]
         body += ["<h2>Left out</h2>", Cells(["what", "why"], left_out).html()]
+    usual = SafetySettings(EvaluationSettings(protocol="sensor")).as_plain() if defaults is None else defaults
     body += [
         "<h2>Options</h2>",
-        settings_section(result.settings, SafetySettings(EvaluationSettings(protocol="sensor")).as_plain()),
+        settings_section(result.settings, usual),
     ]
     html = page("modelcast: warnings from messages", CSS, body)
     return write_report_files({"table.md": safety_markdown(result), "report.html": html}, drawings, folder)
