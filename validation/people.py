@@ -325,7 +325,7 @@ def _first(found: Found, source: str, threshold_m: float) -> float:
 
 def _rival(found: Found) -> Iterator[str]:
     """Senders of ellipses."""
-    yield "| a message is due when | | cyclists | crossing cyclists | pedestrians |"
+    yield "| a message is due when | what | cyclists | crossing cyclists | pedestrians |"
     yield "|---|---|---|---|---|"
     rules = {
         "error": "the error passes the threshold",
