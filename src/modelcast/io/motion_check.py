@@ -6,7 +6,7 @@ in g, is a number like any other. Positions tell where a vehicle turned, and how
 
 import numpy as np
 
-from modelcast.core.arrays import FloatArray
+from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.column_meanings import MEANINGS
 from modelcast.io.rows import Rows
@@ -93,7 +93,7 @@ def refuse_other_motion(path: str, rows: Rows, meaning: str, name: str) -> None:
         )
 
 
-def _motion(rows: Rows, quantity: str) -> tuple[FloatArray, FloatArray]:
+def _motion(rows: Rows, quantity: str) -> tuple[IntArray, FloatArray]:
     """Return rows, and what the positions say of a quantity there, over a second before and behind."""
     t_s = rows.columns["t_s"]
     position_m = np.stack([rows.columns["east_m"], rows.columns["north_m"]], axis=1)
