@@ -44,7 +44,7 @@ def press():
     sys.setprofile(None)
     if not pressed:
         pressed = True
-        os.write(2, b"pressed\n")
+        os.write(2, b"pressed ")
         if number == signal.SIGINT:
             os.killpg(0, number)  # a terminal sends it to all
         else:
