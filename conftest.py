@@ -1,4 +1,4 @@
-"""What all tests share beside fixtures: which modules have examples, where JAX keeps what it compiled, Ctrl-C."""
+"""What all tests share beside fixtures: which modules have examples, what JAX compiled, Ctrl-C."""
 
 import os
 import signal
@@ -11,7 +11,10 @@ from _pytest.doctest import DoctestModule
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let JAX keep what it compiled, else compiled a second time, and hear Ctrl-C, which a shell's background jobs do not."""
+    """Let JAX keep what it compiled, and hear Ctrl-C, which the background jobs of a shell do not.
+
+    A network trained a second time is else compiled a second time.
+    """
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     kept = getattr(config, "cache", None)  # none where pytest is told to keep nothing
