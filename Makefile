@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 
-.PHONY: demo demo-live docs test test-only verify check lint types bench bench-paired mutate fuzz figures paper validate soak setup setup-dev lock clean same
+.PHONY: demo demo-live docs screenshots test test-only verify check lint types bench bench-paired mutate fuzz figures paper validate soak setup setup-dev lock clean same
 demo: setup
 	$(BIN)/modelcast demo --out out/demo
 
@@ -17,6 +17,12 @@ demo-live: $(VENV)/.node
 # DOCS_ARGUMENTS are the script's (--out, --base).
 docs: $(VENV)/.docs
 	$(BIN)/python tools/website/build.py $(DOCS_ARGUMENTS)
+
+# Pictures of a report, of the site and of the live page, on a phone and on a desk; those that pages show, into docs/images.
+# SCREENSHOTS_ARGUMENTS are the script's (a folder, --only, --report, --site, --every, --write).
+SCREENSHOTS_ARGUMENTS ?= out/screenshots --write
+screenshots: setup-dev
+	$(BIN)/python tools/page_screenshots.py $(SCREENSHOTS_ARGUMENTS)
 
 # Bytecode is kept whatever the environment says: tests start hundreds of interpreters, most of which would else be
 # compiling modelcast's sources. pyright is one process that waits for nobody, so it runs beside the tests.

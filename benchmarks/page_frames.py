@@ -10,10 +10,11 @@ The browser draws in software where there is no graphics processor.
 
 import argparse
 import asyncio
-import shutil
 import statistics
+import sys
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -26,14 +27,8 @@ from modelcast.dashboard.gate import Gate
 from modelcast.dashboard.server import listen, page_server
 from modelcast.dashboard.snapshot import AHEAD_S, Counters, Host, Remotes, Snapshot, snapshot_of
 
-ARGUMENTS = [
-    "--no-sandbox",
-    "--disable-background-networking",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools"))
+from chromium import chromium
 
 
 def snapshot(t_s: float, count: int) -> Snapshot:
@@ -111,8 +106,7 @@ async def frames(count: int, seconds: float) -> None:
         serving = asyncio.create_task(server.serve(sockets=[place]))
         publishing = asyncio.create_task(_publish(feed, texts))
         async with async_playwright() as engine:
-            path = shutil.which("chromium")
-            browser = await engine.chromium.launch(executable_path=path, args=ARGUMENTS)
+            browser = await engine.chromium.launch(**chromium())
             page = await browser.new_page(viewport={"width": 1280, "height": 800})
             await page.goto(f"http://127.0.0.1:{place.getsockname()[1]}/")
             await page.locator("#legend li").first.wait_for()

@@ -51,6 +51,7 @@ QUOTED: Mapping[str, Mapping[str, Sequence[str]]] = {
     "docs/scenarios.md": {"traffic": ("traffic", "safety_traffic")},
     "docs/security.md": {"speed": ("signing",)},
     "docs/serve.md": {"cost": ("serve_step",)},
+    "docs/training.md": {"switching": ("switching",)},
 }
 """Blocks of other pages, and the benchmarks whose records they hold."""
 

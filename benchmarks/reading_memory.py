@@ -111,7 +111,8 @@ def run(folder: Path, name: str, task: str) -> dict[str, float]:
 
 def lines(folder: Path, rows: int, tasks: Sequence[str]) -> list[str]:
     """Return the table as Markdown."""
-    made = [f"| file | MB | {' | | '.join(tasks)} | |", "|---" * (2 + 2 * len(tasks)) + "|"]
+    heads = " | ".join(f"{one} | most memory" for one in tasks)
+    made = [f"| file | MB | {heads} |", "|---" * (2 + 2 * len(tasks)) + "|"]
     for name, words in FORMS.items():
         size = (folder / name).stat().st_size / 1e6
         cells: list[str] = []

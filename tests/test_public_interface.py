@@ -100,6 +100,7 @@ def imports_of_the_top(tree: ast.Module) -> list[str]:
     ]
 
 
+@pytest.mark.slow
 def test_nothing_inside_the_package_imports_from_its_top(trees: dict[str, ast.Module]) -> None:
     found = {name: imports_of_the_top(tree) for name, tree in trees.items()}
     assert {name: imports for name, imports in found.items() if imports} == {}

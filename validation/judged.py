@@ -130,7 +130,11 @@ def _candidates(profile: Profile) -> list[FixedCandidate]:
 def _compared(name: str, trips: Sequence[Trajectory], profile: Profile) -> list[dict[str, Any]]:
     """What a comparison of one source found, as plain rows."""
     evaluation = EvaluationSettings(
-        THRESHOLDS_M, (0.0, PACKET_ERROR_RATIO), seeds=SOURCES[name].seeds, references=True
+        THRESHOLDS_M,
+        (0.0, PACKET_ERROR_RATIO),
+        seeds=SOURCES[name].seeds,
+        references=True,
+        free=None,  # the profile's own is among the candidates
     )
     settings = CompareSettings(evaluation, PROTOCOLS, against="free", resamples=200)
     result = compare(trips, _candidates(profile), settings)

@@ -117,7 +117,7 @@ def table(results: Sequence[Found]) -> list[str]:
     senders = [*map(name_of, LEGACY_M), BASELINE]
     heads = " | ".join(senders)
     rule = "|---|---|---|" + "---|" * len(senders)
-    lines = [f"| source | as seen | | {heads} |", rule]
+    lines = [f"| source | as seen | what | {heads} |", rule]
     logs: list[list[list[float]]] = []
     for found in results:
         counts = [

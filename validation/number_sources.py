@@ -11,7 +11,8 @@ every number in them comes from:
     numbers, ``"src/modelcast/world/drive.py rng.uniform(13.0, 18.0)"``; several in a list
 ``sum = "1 - 0.88"``
     arithmetic, one or several in a list: of numbers of that block or of the page, of ``a``, ``b``, ... for
-    the values in ``code``, and of 1, 2, 100 and 1000, with ``sqrt`` and the like
+    the values in ``code``, and of 1, 2, 100 and 1000, with ``sqrt`` and the like; a number of the page is
+    not its own source
 ``given = "SAE J2945/1, 6.3.8"``
     a standard, a publication, a data set, a device or another program says so: nothing here can be compared
 ``example = "what for"``
@@ -35,6 +36,8 @@ from operator import add, mul, sub, truediv
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from page_blocks import blocks_in
 from prose_numbers import UNITS, quoted
 
@@ -44,9 +47,10 @@ ROOT = Path(__file__).resolve().parents[1]
 LISTED = Path(__file__).with_suffix(".toml")
 _STATED = re.compile(
     r"(?<![\w.,/_-])(\d{1,3}(?:,\d{3})+|\d+(?:\.\d+)?|\.\d+)(?![\w°])(?!\.\d)"
-    r"(?:(?=(?: to \d+(?:\.\d+)?)?[ \u00a0]([%\w/]+)))?"
+    r"(?:(?=(?:(?:,| to| and| or) \d+(?:\.\d+)?)*[ \u00a0]([%\w/]+)))?"
 )
-_KMH_MPS = 1.0 / 3.6
+_OTHERS = {"km/h": 1.0 / 3.6, "mm": 1e-3, "mm/s": 1e-3}
+"""Units that do not count in prose, or not as their first part says."""
 _BARE = {1.0, 2.0, 100.0, 1000.0}
 """Numbers that arithmetic may use without a source."""
 _FUNCTIONS = {"ceil", "exp", "sqrt", "cos", "sin", "tan", "radians", "degrees"}
@@ -123,6 +127,8 @@ def _values(source: Source, page: str, texts: Mapping[str, str]) -> tuple[set[fl
     trees = [ast.parse(one, mode="eval").body for one in source.sum]
     operands = {float(one.value) for tree in trees for one in ast.walk(tree) if isinstance(one, ast.Constant)}
     sums = {_sum(tree, (known or _numbers(page)) | _BARE, named) for tree in trees}
+    if not known and sums & operands:
+        raise ValueError(f"{min(sums & operands):g} is its own source")
     return {*sums, *named}, operands
 
 
@@ -150,7 +156,7 @@ def _agree(number: str, unit: str, values: Iterable[float], *, rounded: bool) ->
     """Whether a number, in its unit or in the one that code has, is one of the values."""
     stated = _value(number)
     last = 0.5 * 10.0 ** -len(number.partition(".")[2]) if rounded else 0.0
-    scales = {1.0, UNITS.get(unit, UNITS.get(unit.partition("/")[0], 1.0)) if unit != "km/h" else _KMH_MPS}
+    scales = {1.0, _OTHERS.get(unit) or UNITS.get(unit.partition("/")[0], 1.0)}
     return any(abs(stated - value / scale) <= last + 1e-9 * stated for value in values for scale in scales)
 
 
@@ -208,7 +214,7 @@ def _assigned(script: str, name: str) -> Any:
     if not name.isidentifier():
         if name not in (ROOT / script).read_text(encoding="utf-8"):
             raise ValueError(f"{script} has no {name}")
-        return [_value(found) for found in re.findall(r"\d+(?:\.\d+)?", name)]
+        return [float(found) for found in re.findall(r"\d[\d_]*(?:\.\d+)?(?:e-?\d+)?", name)]
     if not script.endswith(".py"):
         values = re.findall(rf"\b{name}\s?=\s?(\d+(?:\.\d+)?)", (ROOT / script).read_text(encoding="utf-8"))
         return [float(value) for value in values]
@@ -238,6 +244,8 @@ def _flat(value: Any) -> Iterator[float]:
         yield float(value)
     elif dataclasses.is_dataclass(value) and not isinstance(value, type):
         yield from _flat([getattr(value, one.name) for one in dataclasses.fields(value)])
+    elif isinstance(value, np.ndarray):
+        yield from _flat(value.tolist())
     elif isinstance(value, Mapping):
         yield from _flat(tuple(value.values()))
     elif isinstance(value, (tuple, list, set, frozenset)):

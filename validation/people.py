@@ -16,6 +16,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from functools import partial
 from math import ceil
 from pathlib import Path
@@ -107,7 +108,8 @@ def _compared(
     protocols: Sequence[Any],
 ) -> dict[str, list[dict[str, Any]]]:
     """What a comparison found, as plain rows."""
-    settings = CompareSettings(evaluation, tuple(protocols), route_by="trip", resamples=500)
+    alone = replace(evaluation, free=None)  # who people are held against is named
+    settings = CompareSettings(alone, tuple(protocols), route_by="trip", resamples=500)
     found = compare(trips, candidates, settings)
     return {
         "ratios": [row.plain() for row in found.ratios],
@@ -323,7 +325,7 @@ def _first(found: Found, source: str, threshold_m: float) -> float:
 
 def _rival(found: Found) -> Iterator[str]:
     """Senders of ellipses."""
-    yield "| a message is due when | | cyclists | crossing cyclists | pedestrians |"
+    yield "| a message is due when | what | cyclists | crossing cyclists | pedestrians |"
     yield "|---|---|---|---|---|"
     rules = {
         "error": "the error passes the threshold",

@@ -99,6 +99,7 @@ def driven(policy: str, radio: AbstractRadio[Any]) -> NetworkRun:
     return run_network(frames, named_sender(policy), radio, NetworkSettings(warm_up_s=1.0), seed=9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("policy", ["j2945", "j2945-mbc"])
 def test_the_closed_loop_over_a_radio_outside_is_that_over_the_radio_itself(policy: str) -> None:
     """To the last bit: messages, tracks, counts of what was received, busy ratios of every step.

@@ -80,6 +80,7 @@ def test_shadowing_decorrelates_with_the_relative_way(moved_m: float) -> None:
     assert next_db.std() == pytest.approx(3.0, rel=4 / np.sqrt(2 * number))
 
 
+@pytest.mark.slow
 def test_shadowing_follows_the_normal_law() -> None:
     """Quantiles of what was drawn after ten moves, within four standard errors."""
     place_m, pairs = places(200), empty_pairs(200, 16)

@@ -69,6 +69,7 @@ def test_every_field_of_the_parameters_has_a_key(name: str) -> None:
         assert {one.name for one in fields(parameters)} <= set(radio_form(RADIOS.made(name)).keys())
 
 
+@pytest.mark.slow
 @every_radio
 def test_setting_a_default_changes_nothing(name: str) -> None:
     for one in radio_keys(name):

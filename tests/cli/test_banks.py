@@ -186,6 +186,7 @@ def test_two_settings_are_two_things_to_compare() -> None:
     assert [gain_of(one.bank) for one in found if isinstance(one, FixedCandidate)] == [0.5, 2]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("scaled")
 def test_a_profile_is_trained_with_it_as_it_is_set(tmp_path: Path) -> None:
     trips, out = [tmp_path / f"{seed}.csv" for seed in range(3)], tmp_path / "mine.json"

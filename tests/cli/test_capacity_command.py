@@ -96,6 +96,7 @@ def test_thresholds_and_seeds_are_told_apart(tmp_path: Path) -> None:
     assert "150 cm" in (tmp_path / "out" / "table.md").read_text()
 
 
+@pytest.mark.slow
 def test_misses_are_a_limit_too(tmp_path: Path) -> None:
     """On an ideal radio nine tenths of the warnings may be missed, and are not; errors are not asked for."""
     asked = {"scenario": "braking", "missed": "0.9", "radio": "ideal", "duration": "20", "length": "1000"}

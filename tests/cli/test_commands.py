@@ -104,6 +104,7 @@ def test_keys_are_sorted(done: Path) -> None:
     assert is_sorted(json.loads((done / "summary.json").read_text()))
 
 
+@pytest.mark.slow
 def test_another_process_writes_the_same_bytes(done: Path, drive_csv: Path, tmp_path: Path) -> None:
     """A real process, with other hash seeds, another working folder and another output folder."""
     command = [sys.executable, "-W", "error", "-m", "modelcast", "evaluate", str(drive_csv), *SMALL]
@@ -115,6 +116,7 @@ def test_another_process_writes_the_same_bytes(done: Path, drive_csv: Path, tmp_
     assert same_bytes(done, tmp_path / "again")
 
 
+@pytest.mark.slow
 def test_another_seed_draws_other_losses_and_keeps_the_rates(
     done: Path, drive_csv: Path, tmp_path: Path
 ) -> None:
@@ -124,6 +126,7 @@ def test_another_seed_draws_other_losses_and_keeps_the_rates(
     assert first["tracking"] != other["tracking"]
 
 
+@pytest.mark.slow
 def test_a_run_can_be_repeated_from_its_run_json(done: Path, tmp_path: Path) -> None:
     out = tmp_path / "again"
     assert run(["evaluate", "--rerun", str(done / "run.json"), "--out", str(out), "--quiet"]) == 0
@@ -182,6 +185,7 @@ def test_what_is_no_run_json_is_refused(
     assert "run.json" in refused(capsys, "evaluate", "--rerun", str(path), "--out", out)
 
 
+@pytest.mark.slow
 def test_json_is_the_summary_and_nothing_else(
     done: Path, drive_csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -192,6 +196,7 @@ def test_json_is_the_summary_and_nothing_else(
     assert shown.err == ""
 
 
+@pytest.mark.slow
 def test_the_tables_are_printed_otherwise(
     drive_csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -222,6 +227,7 @@ def test_a_trace_that_cannot_be_written_is_refused_and_leaves_nothing(
     assert names(tmp_path) == set()
 
 
+@pytest.mark.slow
 def test_one_bad_file_leaves_the_others_complete(
     done: Path, drive_csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -237,6 +243,7 @@ def test_one_bad_file_leaves_the_others_complete(
     assert summary["rates"] == json.loads((done / "summary.json").read_text())["rates"]
 
 
+@pytest.mark.slow
 def test_two_bad_files_of_one_name_are_both_named(drive_csv: Path, tmp_path: Path) -> None:
     paths = [tmp_path / folder / "bad.csv" for folder in ("a", "b")]
     for path in paths:
@@ -312,6 +319,7 @@ def test_an_unknown_command_is_bad_usage(command: str) -> None:
     assert run([command]) == 2
 
 
+@pytest.mark.slow
 def test_an_earlier_output_is_replaced_whole(drive_csv: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     quick = ["evaluate", str(drive_csv), "--threshold", "0.3", "--per", "0", "--seeds", "1", "--quiet"]
@@ -322,6 +330,7 @@ def test_an_earlier_output_is_replaced_whole(drive_csv: Path, tmp_path: Path) ->
     assert names(tmp_path) == {"out"}
 
 
+@pytest.mark.slow
 def test_a_failed_run_leaves_the_earlier_output(
     drive_csv: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -479,6 +488,7 @@ def test_help_imports_none_of_the_heavy_libraries() -> None:
     subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)  # noqa: S603 - our own script
 
 
+@pytest.mark.slow
 def test_coverage_writes_document_and_figure_and_repeats_itself(
     tmp_path: Path, short_drive: Trajectory, capsys: pytest.CaptureFixture[str]
 ) -> None:

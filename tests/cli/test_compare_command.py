@@ -81,6 +81,7 @@ def test_rows_a_trip_are_read_back(done: Path) -> None:
     assert tracking.filter(pl.col("trip") != "all")["p90_low"].null_count() == 4 * 2 * 2 * 2 * 2
 
 
+@pytest.mark.slow
 def test_rows_agree_with_the_evaluate_command(done: Path, drives: list[Path], tmp_path: Path) -> None:
     out = tmp_path / "alone"
     words = ["--bank", "ctra+cv", "--start", "keep", "--identify", "final", "--protocol", "sensor"]

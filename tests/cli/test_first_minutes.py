@@ -77,6 +77,7 @@ def test_a_missing_file_costs_an_evaluation_nothing_else(folder: Path, tmp_path:
     assert list(json.loads((out / "run.json").read_text())["inputs"]) == [paths[0]]
 
 
+@pytest.mark.slow
 def test_evaluate_works_after_the_demo_and_compare_after_evaluate(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -180,6 +181,7 @@ def test_help_imports_no_heavy_library(command: str) -> None:
     subprocess.run([sys.executable, "-c", script, *words], check=True, capture_output=True)  # noqa: S603
 
 
+@pytest.mark.slow
 def test_doctor_finds_this_installation_well(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -231,6 +233,7 @@ class Waning(Coasting):
 """
 
 
+@pytest.mark.slow
 def test_doctor_tells_what_other_packages_bring_and_whether_it_can_be_had(
     other_package: Callable[..., Path], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -33,6 +33,7 @@ def pooled(folder: Path) -> list[dict[str, Any]]:
     return json.loads((folder / "summary.json").read_text(encoding="utf-8"))["warnings"]
 
 
+@pytest.mark.slow
 def test_all_policies_and_radios_meet_the_same_true_warnings(network: Path) -> None:
     rows = pq.read_table(network / "warned_events.parquet").to_pylist()
     by_case: dict[tuple[str, str], list[tuple[Any, ...]]] = {}
@@ -44,6 +45,7 @@ def test_all_policies_and_radios_meet_the_same_true_warnings(network: Path) -> N
     assert len(next(iter(by_case.values()))) >= 10
 
 
+@pytest.mark.slow
 def test_ten_messages_a_second_without_losses_miss_least(network: Path) -> None:
     found = {(row["radio"], row["policy"]): row for row in pooled(network)}
     floor = found["ideal", "bsm-10hz"]
@@ -54,6 +56,7 @@ def test_ten_messages_a_second_without_losses_miss_least(network: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_totals_hosts_and_events_are_the_same_counts(network: Path) -> None:
     totals = pq.read_table(network / "warnings.parquet").to_pylist()
     assert len(totals) == 2 * 2 * 2
@@ -72,6 +75,7 @@ def test_totals_hosts_and_events_are_the_same_counts(network: Path) -> None:
                 assert sum(row[column] for row in own) == total[column]
 
 
+@pytest.mark.slow
 def test_the_report_shows_them_and_runs_are_taken_up_again(
     network: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -88,6 +92,7 @@ def test_the_report_shows_them_and_runs_are_taken_up_again(
     assert (network / "summary.json").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_every_reading_of_a_mixed_fleet_meets_the_same_warnings(mixed: Path) -> None:
     rows = [row for row in pooled(mixed) if row["sender"] == "all"]
     assert {(row["policy"], row["reading"]) for row in rows} == {

@@ -49,6 +49,7 @@ def test_a_mutated_profile_is_refused_by_name_or_is_one(
     check_profile(path, runs=False)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:--threshold")  # a mutated one may look like centimetres
 @settings(derandomize=True, max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(seed=st.integers(0, 2**32))
@@ -61,6 +62,7 @@ def test_a_mutated_run_file_is_refused_by_name_or_is_one(
     check_run(path, folder / "out", runs=False)
 
 
+@pytest.mark.slow
 def test_mutants_run_in_a_process_of_their_own_without_a_fault(tmp_path: Path) -> None:
     """A segmentation fault ends that process, not this one, and counts."""
     command = [

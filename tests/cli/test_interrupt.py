@@ -46,6 +46,7 @@ def test_an_interrupt_in_an_evaluation_ends_with_130_and_one_line(tmp_path: Path
     assert not [one for one in tmp_path.iterdir() if one.name != "drive.csv"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
 def test_a_signal_that_comes_while_a_kernel_runs_is_seen_when_it_returns(tmp_path: Path) -> None:
     """A timer interrupts the main thread in the middle of a long kernel of many calls by address."""
@@ -92,6 +93,7 @@ sys.exit(app.run(sys.argv[1:]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
 def test_an_interrupt_that_a_library_makes_an_error_of_still_says_what_is_kept(tmp_path: Path) -> None:
     write_csv([generate_drive(seed=1, duration_s=90.0).input], tmp_path / "drive.csv")

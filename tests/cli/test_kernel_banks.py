@@ -79,6 +79,7 @@ def summary(out: Path, trip: Path, bank: str) -> str:
     return (out / "summary.json").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_bank_of_several_kernels_is_evaluated(tmp_path: Path, trip: Path) -> None:
     told = summary(tmp_path / "out", trip, f"cv+{PROCESSES}")
     assert json.loads(told)
@@ -86,6 +87,7 @@ def test_a_bank_of_several_kernels_is_evaluated(tmp_path: Path, trip: Path) -> N
         assert name in told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rate_hz", "code"), [(1.0, 0), (0.2, 2)])
 def test_a_kernel_that_grows_over_the_window_is_evaluated_or_refused(
     rate_hz: float, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -99,6 +101,7 @@ def test_a_kernel_that_grows_over_the_window_is_evaluated_or_refused(
     assert (refused in capsys.readouterr().err) == bool(code)
 
 
+@pytest.mark.slow
 def test_the_papers_kernel_as_an_expression_sends_what_the_paper_does(tmp_path: Path, trip: Path) -> None:
     named, expression = (
         summary(tmp_path / str(at), trip, bank) for at, bank in enumerate(("gp-anchored", "gp(linear+rbf)"))

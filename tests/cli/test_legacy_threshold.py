@@ -19,6 +19,7 @@ def summary(line: str, folder: Path, *options: str) -> dict[str, Any]:
     return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_a_network_pays_for_legacy_receivers_with_messages(tmp_path: Path) -> None:
     rates: list[float] = []
     for number, options in enumerate(((), ("--legacy-threshold", "0"), ("--legacy-threshold", "0.05"))):
@@ -28,6 +29,7 @@ def test_a_network_pays_for_legacy_receivers_with_messages(tmp_path: Path) -> No
     assert rates[0] == rates[1] < 0.8 * rates[2]
 
 
+@pytest.mark.slow
 def test_an_evaluation_says_and_minds_the_threshold(tmp_path: Path) -> None:
     trip = tmp_path / "drive.csv"
     write_csv([generate_drive(seed=2, duration_s=90.0).input], trip)

@@ -26,6 +26,7 @@ def rows(folder: Path, name: str) -> list[dict[str, Any]]:
     return pq.read_table(folder / f"{name}.parquet").to_pylist()
 
 
+@pytest.mark.slow
 def test_every_pairing_of_every_run_has_a_row(folder: Path) -> None:
     found = rows(folder, "pairings")
     keys = [(row["senders_ratio"], row["run"], row["sender"], row["reading"]) for row in found]
@@ -38,6 +39,7 @@ def test_every_pairing_of_every_run_has_a_row(folder: Path) -> None:
             assert row["message_rate_hz"] > 0.0
 
 
+@pytest.mark.slow
 def test_groups_are_parts_of_the_run(folder: Path) -> None:
     """At 50 % each sends for half of the vehicles; a run's rate is the mean of its groups' rates."""
     runs = {(row["policy"], row["run"]): row for row in rows(folder, "runs")}
@@ -51,6 +53,7 @@ def test_groups_are_parts_of_the_run(folder: Path) -> None:
         assert min(own) <= whole <= max(own)
 
 
+@pytest.mark.slow
 def test_the_corners_of_the_map_are_pairings(folder: Path) -> None:
     pairings = {
         (row["senders_ratio"], row["run"], row["sender"], row["reading"]): row

@@ -50,6 +50,7 @@ def summary(folder: Path) -> dict[str, Any]:
     return json.loads((folder / "summary.json").read_text())
 
 
+@pytest.mark.slow
 def test_a_policy_without_a_model_runs_once_and_the_others_once_a_bank(
     folder: Path, summary: dict[str, Any]
 ) -> None:
@@ -69,6 +70,7 @@ def test_a_policy_without_a_model_runs_once_and_the_others_once_a_bank(
         assert row in rows
 
 
+@pytest.mark.slow
 def test_the_bank_is_a_column_of_every_table(folder: Path, summary: dict[str, Any]) -> None:
     for name in ("runs", "distances", "outcomes", "seconds"):
         table = pq.read_table(folder / f"{name}.parquet", columns=["policy", "bank"])
@@ -77,6 +79,7 @@ def test_the_bank_is_a_column_of_every_table(folder: Path, summary: dict[str, An
     assert sorted(pooled) == [(*sender, 2) for sender in SENDERS]
 
 
+@pytest.mark.slow
 def test_each_bank_follows_its_own_rules_on_both_radios(summary: dict[str, Any]) -> None:
     """The paper's bank identifies on 802.11p and mode 4; the shipped one and timers never do."""
     profile = default_profile()
@@ -97,6 +100,7 @@ def test_banks_meet_the_same_traffic_and_messages_of_their_own(summary: dict[str
         assert paper["message_rate_hz"] != shipped["message_rate_hz"]
 
 
+@pytest.mark.slow
 def test_a_bank_is_added_to_what_is_done(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
     assert run(words(folder, ["paper", "cv"], "j2945 mbc")) == 0

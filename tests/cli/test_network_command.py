@@ -96,6 +96,7 @@ def test_mistakes_are_told(option: str, value: str, tmp_path: Path) -> None:
     assert run(words(tmp_path / "out", **{option: value})) == USAGE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changed",
     [
@@ -178,6 +179,7 @@ def write_fcd(folder: Path, kind: str) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", sorted(FCD))
 def test_floating_car_data_of_every_format_run(kind: str, tmp_path: Path) -> None:
     path = write_fcd(tmp_path, kind)
@@ -281,6 +283,7 @@ def test_an_error_of_a_worker_process_arrives_as_it_was_raised(error: ModelcastE
     assert vars(back) == vars(error)
 
 
+@pytest.mark.slow
 def test_a_changed_file_gives_a_new_run_and_what_was_skipped_is_shown(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -314,6 +317,7 @@ def test_people_go_with_the_grids_of_ours(
     assert told in " ".join(capsys.readouterr().err.split())
 
 
+@pytest.mark.slow
 def test_traces_are_a_folder_a_run_and_agree_with_its_rows(tmp_path: Path) -> None:
     out, traces = tmp_path / "out", tmp_path / "traces"
     assert run(words(out)) == 0  # done before: run again for the trace

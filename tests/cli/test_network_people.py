@@ -23,6 +23,7 @@ def asked(**changed: object) -> PeoplePlan:
     return plan
 
 
+@pytest.mark.slow
 def test_people_send_by_a_policy_of_their_own_and_it_is_told(tmp_path: Path) -> None:
     """A row a run in the summary and in a file; what is received is unread, too far, or read."""
     out = tmp_path / "out"
@@ -85,6 +86,7 @@ def test_sumo_persons_are_on_the_air(tmp_path: Path) -> None:
     assert 8.0 < row["read_rate_hz"] <= 10.0
 
 
+@pytest.mark.slow
 def test_a_meeting_is_filmed_without_units_and_with_them(tmp_path: Path) -> None:
     out = tmp_path / "out"
     line = (

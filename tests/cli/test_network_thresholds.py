@@ -31,11 +31,13 @@ def summary(folder: Path) -> dict[str, Any]:
     return json.loads((folder / "summary.json").read_text())
 
 
+@pytest.mark.slow
 def test_error_driven_senders_run_once_a_threshold_and_timers_once(summary: dict[str, Any]) -> None:
     asked = [("baseline", 0.05), ("baseline", 0.4), ("j2945", None), ("mbc", 0.05), ("mbc", 0.4)]
     assert [(row["policy"], row["threshold_m"]) for row in summary["runs"]] == asked
 
 
+@pytest.mark.slow
 def test_a_threshold_that_is_wider_calls_for_fewer_messages_of_the_same_traffic(
     summary: dict[str, Any],
 ) -> None:
@@ -46,6 +48,7 @@ def test_a_threshold_that_is_wider_calls_for_fewer_messages_of_the_same_traffic(
         assert narrow["message_rate_hz"] > 1.2 * wide["message_rate_hz"]
 
 
+@pytest.mark.slow
 def test_the_threshold_is_a_column_of_every_table(folder: Path, summary: dict[str, Any]) -> None:
     for name in ("runs", "distances", "outcomes", "seconds"):
         rows = pq.read_table(folder / f"{name}.parquet", columns=["policy", "threshold_m"]).to_pylist()
@@ -61,6 +64,7 @@ def test_the_threshold_is_a_column_of_every_table(folder: Path, summary: dict[st
     assert "| j2945 | - | 1 |" in table
 
 
+@pytest.mark.slow
 def test_a_threshold_is_added_to_what_is_done(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
     assert run(words(folder, "0.4 0.2")) == 0
@@ -74,6 +78,7 @@ def test_a_threshold_is_added_to_what_is_done(folder: Path, capsys: pytest.Captu
     assert before.items() <= after.items()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("start", "runs"), [("recent", 4), ("hindsight", 5), ("predicted", 5)])
 def test_timers_run_once_a_threshold_where_their_start_rule_judges_by_it(
     start: str, runs: int, tmp_path: Path

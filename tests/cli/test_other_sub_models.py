@@ -74,6 +74,7 @@ def test_a_wrapped_sub_model_is_told_and_no_other_package_is_loaded(
     assert sub_model_origins(bank_in_use("paper", profile=profile_in_use(None)).bank.members) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bank", ["rolling+cv", "rolled.json", "default"])
 @pytest.mark.parametrize("command", ["evaluate --no-references", "compare --no-references"])
 def test_results_over_recorded_trips_name_the_package(
@@ -87,6 +88,7 @@ def test_results_over_recorded_trips_name_the_package(
     assert versions(tmp_path / "out") == ROLLING
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:The sub-model rolling of a profile")
 @pytest.mark.parametrize("how", ["bank", "profile", "people"])
 def test_a_run_with_another_version_of_the_package_is_not_taken_up_and_says_why(

@@ -98,6 +98,7 @@ def drive(other_package: Callable[..., Path], tmp_path: Path) -> Path:
     return trip
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:--policy every")
 def test_rows_console_report_and_trace_name_the_policy_that_decides(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -135,6 +136,7 @@ def test_rows_console_report_and_trace_name_the_policy_that_decides(
     assert len(trace.read_text().splitlines()) > 100
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:--policy every")
 def test_a_comparison_says_who_decides_for_its_candidates(
     drive: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -67,6 +67,7 @@ print(json.dumps({"told": met.ready, "before": len(before), "heard": min(heard),
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("policy", "port"),
     [

@@ -14,6 +14,7 @@ SMALL = (
 )
 
 
+@pytest.mark.slow
 def test_settings_make_another_radio_of_the_same_traffic(tmp_path: Path) -> None:
     out = tmp_path / "out"
     words = ("dsrc", "dsrc:sensitivity_dbm=-60")

@@ -33,6 +33,7 @@ def done(drives: list[Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+@pytest.mark.slow
 def test_a_reproduction_leaves_a_report_claims_and_figures(done: Path) -> None:
     assert {item.name for item in done.iterdir()} == {
         "summary.json",
@@ -50,6 +51,7 @@ def test_a_reproduction_leaves_a_report_claims_and_figures(done: Path) -> None:
     assert len(asked["inputs"]) == 2
 
 
+@pytest.mark.slow
 def test_the_summary_holds_every_reading_and_the_choices_it_comes_from(done: Path) -> None:
     summary = json.loads((done / "summary.json").read_text())
     labels = [one.label for one in one_at_a_time()]
@@ -66,6 +68,7 @@ def test_the_summary_holds_every_reading_and_the_choices_it_comes_from(done: Pat
     }
 
 
+@pytest.mark.slow
 def test_claims_are_a_table_for_programs_too(done: Path) -> None:
     summary = json.loads((done / "summary.json").read_text())
     with (done / "claims.csv").open(encoding="utf-8", newline="") as file:
@@ -125,6 +128,7 @@ def test_mistakes_are_named(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_the_richest_trip_is_picked_the_others_are_named_and_a_terminal_shows_claims_and_readings(
     drives: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -68,6 +68,7 @@ def test_wrong_use_is_refused(
     assert not list(tmp_path.glob("roads.*"))
 
 
+@pytest.mark.slow
 def test_evaluate_takes_a_road_file_and_refuses_what_is_none(
     trips: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

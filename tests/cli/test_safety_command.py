@@ -68,6 +68,7 @@ def test_tables_agree_with_each_other(done: Path) -> None:
     assert pooled.filter(own)["missed_ratio"].item() == pytest.approx(share)
 
 
+@pytest.mark.slow
 def test_a_second_call_takes_up_what_is_done(
     done: Path, platoon: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -81,6 +82,7 @@ def test_a_second_call_takes_up_what_is_done(
     assert json.loads(capsys.readouterr().out)["pairs"] == 2
 
 
+@pytest.mark.slow
 def test_the_terminal_shows_the_headline_first(
     done: Path, platoon: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -107,6 +109,7 @@ REPLAYED = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_recorded_losses_stand_alone_or_beside_drawn_ones(
     platoon: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -203,6 +206,7 @@ def test_no_platoon_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert "nobody ahead" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_figures_of_other_folders_are_shown_beside(platoon: Path, tmp_path: Path) -> None:
     fleets = tmp_path / "fleets"
     line = """network --scenario braking --density 60 --length 400 --duration 4 --warm-up 1 --seeds 1
@@ -291,6 +295,7 @@ def safe(platoon: Path, out: Path, *words: str) -> int:
     return run(["safety", str(platoon), *SMALL, *words, "--out", str(out)])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("slow")
 @pytest.mark.filterwarnings("ignore:--policy clock")
 def test_another_packages_policy_decides_for_all_but_the_baseline(
@@ -312,6 +317,7 @@ def test_another_packages_policy_decides_for_all_but_the_baseline(
     assert "clock:every_s=0.2 decides" in (out / "report.html").read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("slow")
 @pytest.mark.filterwarnings("ignore:--policy clock")
 def test_a_policy_is_matched_by_its_threshold_and_one_without_is_refused(

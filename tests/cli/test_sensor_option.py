@@ -62,6 +62,7 @@ def test_a_sensor_by_name_makes_sensor_of_auto_and_leaves_the_other_protocols() 
     assert sizes.protocols(("auto", "recorded")) == ("auto", "recorded")
 
 
+@pytest.mark.slow
 def test_a_real_trip_is_truth_and_the_sender_sees_it_through_the_sensor(
     dynamic_trips: dict[str, Trajectory], tmp_path: Path
 ) -> None:
@@ -109,6 +110,7 @@ def test_options_from_before_sensors_had_names_mean_the_default_sensor() -> None
     assert EvaluateOptions.from_plain(plain).settings().sensor == named_sensor("default")
 
 
+@pytest.mark.slow
 def test_a_fleet_uses_the_sensor(tmp_path: Path) -> None:
     tracked: list[str] = []
     for name in ("ideal", "phone"):

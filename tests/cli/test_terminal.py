@@ -53,6 +53,7 @@ def given_trips(folder: Path, vehicle: str) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["trips", "evaluate"])
 def test_names_of_files_and_vehicles_are_not_obeyed(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -31,12 +31,14 @@ def traffic(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, TrafficResu
 Traffic = tuple[Path, TrafficResult, list[tuple[int, int]]]
 
 
+@pytest.mark.slow
 def test_every_run_of_the_plan_is_made_and_told(traffic: Traffic) -> None:
     _, found, steps = traffic
     assert len(found.network.runs) == SMALL.runs == 16
     assert steps == [(done, 16) for done in range(17)]
 
 
+@pytest.mark.slow
 def test_the_hybrid_identifies_and_the_baseline_cannot(traffic: Traffic) -> None:
     for row in traffic[1].rows:
         if row.figure == "identification_rate_hz":
@@ -45,6 +47,7 @@ def test_the_hybrid_identifies_and_the_baseline_cannot(traffic: Traffic) -> None
     assert any(row.hybrid > 0.0 for row in traffic[1].rows if row.figure == "identification_rate_hz")
 
 
+@pytest.mark.slow
 def test_pairs_meet_the_same_traffic(traffic: Traffic) -> None:
     by_seed: dict[tuple[str, int], set[float]] = {}
     for row in traffic[1].network.runs:
@@ -52,12 +55,14 @@ def test_pairs_meet_the_same_traffic(traffic: Traffic) -> None:
     assert all(len(vehicles) == 1 for vehicles in by_seed.values())
 
 
+@pytest.mark.slow
 def test_verdicts_and_figures_are_written(traffic: Traffic) -> None:
     names = {path.name for path in traffic[0].iterdir()}
     assert {"traffic.md", "traffic.html", "traffic.parquet", "runs", "summary.json", "report.html"} <= names
     assert {f"traffic_{name}.png" for name in ("load", "reception", "range", "density")} <= names
 
 
+@pytest.mark.slow
 def test_the_command_takes_the_runs_up_and_the_plan_those_of_the_command(
     traffic: Traffic, tmp_path: Path
 ) -> None:
@@ -96,6 +101,7 @@ def test_how_long_a_plan_takes_is_told_in_whole_hours_or_minutes(
         run_traffic(tmp_path, TrafficPlan(seeds=seeds), jobs=jobs, progress=lambda *_: None, say=say)
 
 
+@pytest.mark.slow
 def test_a_sweep_without_the_baseline_compares_nothing(tmp_path: Path) -> None:
     line = (
         "network --density 30 --policy mbc --duration 3 --warm-up 1 --length 400 --jobs 1 --seeds 1 --quiet"

@@ -41,6 +41,7 @@ def extended(drives: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+@pytest.mark.slow
 def test_the_same_trips_and_options_give_the_same_bytes_and_the_record_is_shown(
     drives: Path, profile: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -52,6 +53,7 @@ def test_the_same_trips_and_options_give_the_same_bytes_and_the_record_is_shown(
     assert read_profile(profile).identity in shown.replace("\n", "")
 
 
+@pytest.mark.slow
 def test_an_evaluation_takes_bank_and_rules_from_the_file(
     drives: Path, profile: Path, tmp_path: Path
 ) -> None:
@@ -66,6 +68,7 @@ def test_an_evaluation_takes_bank_and_rules_from_the_file(
     assert str(profile) in asked["inputs"]
 
 
+@pytest.mark.slow
 def test_it_prints_the_record(drives: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "p.json"
     assert run(["train", str(drives), *QUICK, "--out", str(out), "--json"]) == 0
@@ -94,6 +97,7 @@ def test_mistakes_are_named(
     assert named in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cost", ["messages", "bytes", "airtime"])
 def test_trained_rules_run_with_what_the_profile_holds(
     cost: str, drives: Path, extended: Path, tmp_path: Path

@@ -233,6 +233,7 @@ def run_fixture(
     )
 
 
+@pytest.mark.slow
 def test_a_changed_callee_compiles_its_callers_anew(tmp_path: Path) -> None:
     fixture_package(tmp_path, 2.0)
     assert run_fixture(tmp_path).stdout == "12.0\n"
@@ -259,6 +260,7 @@ def test_what_is_kept_is_loaded_and_not_compiled(tmp_path: Path) -> None:
     assert run_fixture(tmp_path, watching).stdout == "12.0\n"
 
 
+@pytest.mark.slow
 def test_what_callers_took_in_is_kept_and_python_gets_the_whole(tmp_path: Path) -> None:
     """One process compiles a caller; the next takes the callee from what was kept, and calls it itself."""
     fixture_package(tmp_path, 2.0)
@@ -289,6 +291,7 @@ def test_what_callers_took_in_is_kept_and_python_gets_the_whole(tmp_path: Path) 
     assert run_fixture(tmp_path, other).stdout == "12.0 3.0\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", ["empty", "cut", "bent"])
 def test_a_damaged_file_is_compiled_anew(tmp_path: Path, damage: str) -> None:
     fixture_package(tmp_path, 2.0)
@@ -318,6 +321,7 @@ print(total.is_ready, total.is_kept)
 """
 
 
+@pytest.mark.slow
 def test_whether_a_kernel_is_ready_and_kept_is_known(tmp_path: Path) -> None:
     fixture_package(tmp_path, 2.0)
     assert run_fixture(tmp_path, READY).stdout.splitlines() == ["False False", "True True"]
@@ -338,6 +342,7 @@ def test_a_folder_that_others_may_write_is_not_trusted(tmp_path: Path) -> None:
     assert not list(cache.iterdir())
 
 
+@pytest.mark.slow
 def test_folders_of_older_sources_go(tmp_path: Path) -> None:
     fixture_package(tmp_path, 2.0)
     cache = tmp_path / "cache"
@@ -357,6 +362,7 @@ def test_the_interpreter_alone_gives_the_same(tmp_path: Path) -> None:
     assert not (tmp_path / "cache").exists()
 
 
+@pytest.mark.slow
 def test_an_evaluation_runs_with_the_interpreter_alone(tmp_path: Path) -> None:
     """The same messages, compiled or not, by a bank whose functions call each other by address."""
     program = """
@@ -378,6 +384,7 @@ def test_an_evaluation_runs_with_the_interpreter_alone(tmp_path: Path) -> None:
     assert compiled.stdout == plain.stdout != ""
 
 
+@pytest.mark.slow
 def test_an_exception_in_a_point_function_is_not_swallowed(tmp_path: Path) -> None:
     """A kernel of somebody else's that raises after all ends the call, and is not printed and passed over."""
     package = tmp_path / "fixture_package"
@@ -448,6 +455,7 @@ def start_together(folder: Path, count: int) -> list[str]:
     return [one.communicate()[0] for one in running]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("times", [1, pytest.param(50, marks=pytest.mark.slow)])
 def test_processes_that_meet_a_cold_cache_at_once_agree(tmp_path: Path, times: int) -> None:
     fixture_package(tmp_path, 2.0)
@@ -480,6 +488,7 @@ print(said)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("times", [1, pytest.param(20, marks=pytest.mark.slow)])
 def test_threads_of_processes_that_meet_a_cold_cache_at_once_agree(tmp_path: Path, times: int) -> None:
     fixture_package(tmp_path, 2.0)

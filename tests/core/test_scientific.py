@@ -78,6 +78,7 @@ ASKED = {
 }
 
 
+@pytest.mark.slow
 def test_what_needs_scipy_says_so_in_one_line_before_it_does_anything(tmp_path: Path) -> None:
     (tmp_path / "trips").mkdir()
     calls = "".join(f"print(run({words.split()}))\n" for words in ASKED.values())

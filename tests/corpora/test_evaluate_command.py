@@ -45,6 +45,7 @@ def unfinished_folder(out: Path) -> Path:
     return out.with_name(f"{out.name}.unfinished")
 
 
+@pytest.mark.slow
 def test_a_corpus_gives_the_files_of_an_evaluation_and_its_parts(
     corpus: Path, done: Path, tmp_path: Path
 ) -> None:
@@ -60,6 +61,7 @@ def test_a_corpus_gives_the_files_of_an_evaluation_and_its_parts(
         assert (one / name).read_bytes() == (other / name).read_bytes()
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_goes_on(corpus: Path, done: Path, tmp_path: Path) -> None:
     """Parts that lie beside the output folder are not made again."""
     work = unfinished_folder(tmp_path / "out")
@@ -87,6 +89,7 @@ def test_a_part_that_fails_is_named_and_the_rest_is_there(
     assert [path.name for path in kept] == [path.name for path in (out / "parts").iterdir()]
 
 
+@pytest.mark.slow
 def test_some_trips_of_a_corpus(corpus: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert evaluated(corpus, out, "--trip", "drive/*re*") == 0

@@ -90,6 +90,7 @@ def drawn(result: EvaluationResult) -> list[Any]:
     return [curves, result.timeline.tracking_error_m.tolist(), result.manoeuvre.truth_m.tolist()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("partitions", "executor"), [(1, HereExecutor()), (2, ProcessExecutor(2)), (5, HereExecutor())]
 )

@@ -150,6 +150,7 @@ def test_a_partition_that_fails_is_named_and_tried_anew(
     assert len(whole.parts) == len(corpus.partitions)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["processes", pytest.param("cluster", marks=pytest.mark.slow)])
 def test_a_worker_that_is_killed_in_a_partition_costs_nothing(
     made: Callable[[int], Corpus], job: LengthJob, tmp_path: Path, kind: str

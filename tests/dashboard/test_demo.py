@@ -21,6 +21,7 @@ def drive() -> list[Snapshot]:
     return list(DemoDrive(SMALL, 0.3, bank="ctra+cv", sensor="ideal").snapshots(60.0))
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_texts(drive: list[Snapshot]) -> None:
     again = islice(DemoDrive(SMALL, 0.3, bank="ctra+cv", sensor="ideal").snapshots(60.0), 40)
     assert [snapshot_text(one) for one in again] == [snapshot_text(one) for one in drive[:40]]

@@ -1,6 +1,7 @@
 """Claims: in a browser the page shows what a feed gives, by mouse, keys and name, and asks nothing else."""
 
 import asyncio
+import re
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -153,6 +154,28 @@ def test_keys_choose_the_remotes_by_distance_and_let_go(looked: Looked, log: str
     assert series == ["0.25 m", "0.4 s", "0.2 s", "1", "25 %", "ctra"]
     page.keyboard.press("Escape")
     assert page.locator("#chosen").is_hidden()
+
+
+def test_series_leave_out_what_was_not_seen(looked: Looked, log: str) -> None:
+    """A log that was wound on shows no line from the beginning to now."""
+    looked.open(log)
+    page = looked.page
+    for t_s in ("24.0", "25.0"):
+        paused_at(page, t_s)
+    page.keyboard.press("n")
+    drawn(page)
+    canvas = page.get_by_role("img", name=re.compile("^Error over the last minute"))
+    columns = canvas.evaluate(
+        """(one) => {
+          const [wide, high] = [one.width, one.height - 5];
+          const { data } = one.getContext("2d").getImageData(0, 0, wide, high);
+          const column = (k) => Array.from({ length: high }, (_, row) => data[4 * (row * wide + k) + 3]);
+          return Array.from({ length: wide }, (_, k) => Math.max(...column(k)) > 99);
+        }"""
+    )
+    second = len(columns) / 60.0
+    ends = 8.0  # round ends of the line, and the dot of what was seen at first
+    assert second <= sum(columns[len(columns) // 3 :]) <= second + ends
 
 
 def test_a_click_chooses_the_remote_that_is_drawn_there(looked: Looked, log: str) -> None:

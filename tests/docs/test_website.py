@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[2] / "tools" / "website"))
 from code_blocks import ROOT
 from dead_links import dead_links
+from docstring_text import short_signature
 from navigation import FRONT_PAGE, Page, SiteError, read_navigation
 from sources import staged, write_sources
 
@@ -23,6 +24,12 @@ sys.path.pop(0)
 sys.path.pop(0)
 
 Project = Callable[..., Path]
+LIKE_AN_ARRAY = (
+    "~n._Buffer | ~n._SupportsArray[~n.dtype[~t.Any]] | "
+    "~n._NestedSequence[~n._SupportsArray[~n.dtype[~t.Any]]] | "
+    "complex | bytes | str | ~n._NestedSequence[complex | bytes | str]"
+)
+"""As Sphinx has NumPy's `ArrayLike`."""
 
 
 @pytest.fixture
@@ -170,6 +177,31 @@ def test_the_site_has_the_colours_of_the_figures() -> None:
     style = (ROOT / "tools" / "website" / "static" / "site.css").read_text(encoding="utf-8")
     primary = re.findall(r'data-theme="(\w+)".*?--pst-color-primary: (#\w+)', style, re.DOTALL)
     assert dict(primary) == {"light": POLICY_COLOURS["mbc"], "dark": IDENTIFICATION_COLOUR}
+
+
+@pytest.mark.parametrize(
+    ("sphinx", "shown"),
+    [
+        ("(a: ~typing.Annotated[int, ~rules.Number(0, (1, 2))] = 3)", "(a: int = 3)"),
+        (
+            "(a: ~typing.Annotated[A | None, Maybe(of=One(kinds=(<class 'A'>,), words='a ]'))] = 1)",
+            "(a: A | None = 1)",
+        ),
+        ("(a: ~typing.Annotated[list[~typing.Annotated[int, X()]], Y()])", "(a: list[int])"),
+        (
+            "(a: Drivers = Drivers(gap_m=(1.0, 2.0), name=')'), b: int = 1)",
+            "(a: Drivers = Drivers(...), b: int = 1)",
+        ),
+        ("(a: set[int] = frozenset())", "(a: set[int] = frozenset())"),
+        ("(a: list[int] = <factory>)", "(a: list[int] = ...)"),
+        (
+            f"(a: {LIKE_AN_ARRAY} | None)",
+            "(a: ~numpy.typing.ArrayLike | None)",
+        ),
+    ],
+)
+def test_signatures_say_kinds_and_defaults_shortly(sphinx: str, shown: str) -> None:
+    assert short_signature(sphinx) == shown
 
 
 def test_a_file_keeps_its_name_below_docs_alone() -> None:

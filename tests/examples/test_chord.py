@@ -56,6 +56,7 @@ assert model.row_dependence(0.5) == ()
     python_with(("chord",), "-c", program)
 
 
+@pytest.mark.slow
 def test_a_node_on_the_air_sends_and_holds_what_the_evaluation_does(python_with: Run) -> None:
     """Its predicted path goes through encoded messages to another node, which tracks as the evaluation."""
     program = """
@@ -130,6 +131,7 @@ def test_network_takes_it_in_other_processes(python_with: Run, tmp_path: Path) -
     assert all(row["update_rate_hz"] > 0.0 for row in rows)
 
 
+@pytest.mark.slow
 def test_a_profile_names_its_package_and_version_and_is_used_as_any(
     drive: Path, profile: Path, python_with: Run, tmp_path: Path
 ) -> None:
@@ -148,6 +150,7 @@ def test_a_profile_names_its_package_and_version_and_is_used_as_any(
     python_with(("chord",), "-m", "modelcast", "node", str(node), "--check")
 
 
+@pytest.mark.slow
 def test_messages_with_its_path_are_encoded_and_decoded(profile: Path, python_with: Run) -> None:
     program = f"""
 import modelcast
@@ -167,6 +170,7 @@ print(codec.encode(UpdateMessage(core, 0, carries_all=False, codes=((0, 3, -2, 1
     assert python_with(("chord",), *words).stdout.strip() == digits
 
 
+@pytest.mark.slow
 def test_a_profile_without_the_package_is_refused_with_its_name(
     profile: Path, drive: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -177,6 +181,7 @@ def test_a_profile_without_the_package_is_refused_with_its_name(
     assert "'modelcast-chord', version '0.1.0', and no installed package registers it" in told
 
 
+@pytest.mark.slow
 def test_a_profile_of_another_version_or_package_is_told(
     profile: Path, python_with: Run, tmp_path: Path
 ) -> None:

@@ -11,6 +11,7 @@ NETWORK = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_network_run_over_it_loses_by_distance_alone(python_with, tmp_path):
     out = tmp_path / "out"
     radio = "disc:sure_m=100,range_m=300"

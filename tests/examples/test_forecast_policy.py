@@ -37,6 +37,7 @@ def test_a_network_run_sends_by_it_at_each_threshold_and_names_its_package(pytho
     assert alone[0] < sent["forecast", 0.05], "who looks ahead sends earlier"
 
 
+@pytest.mark.slow
 def test_a_station_of_its_own_and_a_node_send_by_it(python_with, tmp_path):
     place = tmp_path / "node.toml"
     place.write_text('[sending]\npolicy = "forecast:longest_s=0.5"\n')

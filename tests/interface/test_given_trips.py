@@ -166,6 +166,7 @@ def test_an_evaluation_names_what_held_no_trip(form: str) -> None:
     assert f"{len(expected)} skipped" in repr(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("function", [evaluated, compared, warned, reproduced])
 def test_what_held_no_trip_reaches_every_result_its_line_and_its_files(
     function: Callable[[Any], Any], tmp_path: Path

@@ -98,6 +98,7 @@ def test_what_is_written_is_what_the_commands_write(evaluation: Any, comparison:
         assert [path.read_bytes() for path in written] == [path.read_bytes() for path in expected]
 
 
+@pytest.mark.slow
 def test_a_report_is_written_into_a_folder_that_is_made(found: Any, tmp_path: Path) -> None:
     paths = found.report(tmp_path / "a" / "b")
     assert paths
@@ -105,6 +106,7 @@ def test_a_report_is_written_into_a_folder_that_is_made(found: Any, tmp_path: Pa
     assert (tmp_path / "a" / "b") in paths[0].parents
 
 
+@pytest.mark.slow
 def test_functions_of_rows_take_the_result_too(evaluation: Any, tmp_path: Path) -> None:
     assert isinstance(evaluation.result, EvaluationResult)
     for name in ("rates", "references", "tracking"):
@@ -124,6 +126,7 @@ def test_a_file_in_the_way_is_named_with_a_remedy(found: Any, tmp_path: Path) ->
                 write(folder)
 
 
+@pytest.mark.slow
 def test_what_the_operating_system_refuses_is_named(evaluation: Any, tmp_path: Path) -> None:
     (tmp_path / "summary.json").mkdir()
     (tmp_path / "report.html").mkdir()
@@ -161,6 +164,7 @@ def test_a_network_is_that_of_the_command(network: Any, tmp_path: Path) -> None:
             assert theirs[name] == (ours[name] if known else None), name
 
 
+@pytest.mark.slow
 def test_runs_of_several_processes_are_those_of_one(network: Any, tmp_path: Path) -> None:
     """To the byte of every table, and in the same order; what is handed over survives it."""
     told: list[tuple[int, int]] = []
@@ -207,6 +211,7 @@ def test_runs_are_checked(changes: dict[str, Any], message: str) -> None:
         modelcast.FleetRuns(**{"duration_s": 30.0, **changes})
 
 
+@pytest.mark.slow
 def test_warnings_are_those_of_the_command(tmp_path: Path, data_folder: Path) -> None:
     path = data_folder / "openacc_zalazone" / "short_setting__dynamic_part12.csv"
     asked = f"safety {path} --bank cv paper --per 0 0.4 --seeds 1 --burst 0 --sensors default --resamples 20"

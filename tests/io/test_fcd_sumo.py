@@ -423,6 +423,7 @@ def test_an_encoding_that_nobody_knows_is_refused(tmp_path: Path) -> None:
         survey_fcd(path)
 
 
+@pytest.mark.slow
 @given(data=st.data())
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @pytest.mark.parametrize("form", ["xml", "csv", "parquet", "csv plain"])

@@ -164,6 +164,7 @@ def test_an_endless_tag_ends_in_an_error_and_not_in_memory(made):
     assert "a tag or comment of over 4194304 octets" in refusal(made, content)
 
 
+@pytest.mark.slow
 def test_points_are_held_a_few_at_a_time(made):
     path = made.write("a.gpx", made.gpx([made.gpx_point(0)] * 20_000))
     tracemalloc.start()
@@ -174,6 +175,7 @@ def test_points_are_held_a_few_at_a_time(made):
     assert peak < 2 * 2**20
 
 
+@pytest.mark.slow
 def test_a_track_over_the_limit_is_an_error_that_names_it(made):
     path = made.write("a.gpx", made.gpx([made.gpx_point(0)] * (2**16 + 1)))
     with pytest.raises(DataFormatError, match="the trip a/track-1 has over"):

@@ -42,6 +42,7 @@ def read(path):
     return list(get_reader("parquet").read(str(path)))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of a process as Linux has them")
 def test_crafted_files_end_in_an_error_within_a_gibibyte(tmp_path):
     equal = pa.table({name: np.zeros(10**6) for name in ("t_s", "east_m", "north_m")})
@@ -137,6 +138,7 @@ def test_a_table_of_one_trip_that_is_too_long_is_refused_unread():
     assert not asked
 
 
+@pytest.mark.slow
 def test_one_large_row_group_in_any_order_gives_the_trips_of_many_small_ones(tmp_path):
     vehicles, rows = 20, 500
     whole = {name: np.tile(column, vehicles) for name, column in track(rows).items()}

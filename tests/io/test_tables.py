@@ -191,6 +191,7 @@ def trips(draw, name):
     )
 
 
+@pytest.mark.slow
 @both
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(first=trips("made/1"), second=trips("made/2"))

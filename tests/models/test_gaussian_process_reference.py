@@ -186,6 +186,7 @@ def in_extended_precision(real: RealFits, rows: np.ndarray, axis: int) -> np.nda
     return dense((y - y[-1])[:, None], hyper, HORIZONS_S, real.form, np.longdouble)[:, 0].T
 
 
+@pytest.mark.slow
 @pytest.mark.real
 @extended
 def test_all_real_windows_equal_extended_precision(real):

@@ -191,6 +191,7 @@ def test_real_windows_are_predicted_as_by_scikit_learn(expression: str, windows:
             assert (np.abs(found[row, :, axis] - theirs) <= CLAIM_M + off_m).all()
 
 
+@pytest.mark.slow
 @pytest.mark.real
 @pytest.mark.parametrize(
     "expression", ["rbf", "matern32", "periodic", "linear+matern52", "linear+rq", "rbf*linear"]

@@ -42,6 +42,7 @@ def walk(trip: Trajectory, bank: Bank, threshold_m: float = 0.3) -> Any:
     return TripRuntime(trip, bank, velocity_estimator_for(trip)).run(ErrorDriven(threshold_m))
 
 
+@pytest.mark.slow
 def test_it_sends_the_messages_of_the_compiled_one(drive: Trajectory) -> None:
     plain, compiled = (walk(drive, Bank((one,))) for one in (Coasting(), ConstantVelocity()))
     assert plain.updates == compiled.updates > 10

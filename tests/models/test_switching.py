@@ -107,6 +107,7 @@ def test_the_filter_is_hmmlearns_at_the_end_of_every_prefix(seed: int) -> None:
         assert belief_of(system, x[:end]) == pytest.approx(expected, abs=ROUNDING)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1), st.integers(1, 60))
 def test_the_filter_is_the_textbooks_for_modes_with_memory(seed: int, count: int) -> None:
     x = drawn(SYSTEM, count, seed)

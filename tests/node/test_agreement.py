@@ -43,6 +43,7 @@ def test_a_made_trip_is_the_same(bank: str, rules: str) -> None:
     assert agrees(generate_drive(4, 90.0).truth, bank, rules, most=0.2, seed=3) > 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", ["spmd/bsm_p1_dev.csv", "nyc_cvpd"])
 def test_real_trips_are_the_same(data_folder: Path, source: str) -> None:
     trips = [

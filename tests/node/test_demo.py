@@ -60,6 +60,7 @@ def test_the_drives_are_what_their_columns_say_and_nobody_touches() -> None:
     assert np.abs(np.sin(course - crossing.heading_rad[:-1])).max() < 0.02
 
 
+@pytest.mark.slow
 def test_every_node_knows_the_others_in_spite_of_losses(monkeypatch: pytest.MonkeyPatch) -> None:
     # Nodes draw names and losses from what nobody can guess; here all runs draw the same.
     monkeypatch.setattr("secrets.randbits", random.Random(7).getrandbits)  # noqa: S311 - not for secrets

@@ -81,6 +81,7 @@ def test_a_recording_gives_the_same_map_to_the_bit(recording: Path) -> None:
     assert visited == [0.1 * step for step in range(80)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("policy", ["mbc", "j2945", "j2945-mbc"])
 def test_so_does_one_of_every_kind_of_sender(policy: str, tmp_path: Path) -> None:
     config = NodeConfig(sending=Sending(policy=policy), pseudonyms=Pseudonyms(least_s=1.0, most_s=2.0))

@@ -287,6 +287,7 @@ def test_a_reference_far_above_is_named_and_not_drawn() -> None:
     assert names[-1] == "ETSI CAM rules"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [
@@ -451,6 +452,7 @@ def test_the_baseline_has_no_second_table_nor_has_a_candidate_alone() -> None:
     assert made().rival is None
 
 
+@pytest.mark.slow
 def test_files_are_the_same_twice(tmp_path: Path) -> None:
     contents = []
     for name in ("a", "b"):

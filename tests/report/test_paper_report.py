@@ -35,10 +35,12 @@ def drawings(found: PaperResult) -> list[Drawing]:
     return draw_paper(found)
 
 
+@pytest.mark.slow
 def test_the_figures_are_those_of_the_titles(drawings: list[Drawing]) -> None:
     assert [drawing.name for drawing in drawings] == list(TITLES)
 
 
+@pytest.mark.slow
 def test_the_page_holds_everything_and_points_nowhere(
     found: PaperResult, drawings: list[Drawing], read_page: Callable[[str], Any]
 ) -> None:
@@ -57,12 +59,14 @@ def test_the_page_holds_everything_and_points_nowhere(
         assert one.labelled.label in page.text
 
 
+@pytest.mark.slow
 def test_foreign_names_are_text_in_page_and_table(found: PaperResult, drawings: list[Drawing]) -> None:
     left_out = replace(found, failures={"<script>|x": "too <short>"})
     assert "<script>|x" not in paper_page(left_out, drawings)
     assert "&lt;script&gt;|x" in paper_page(left_out, drawings)
 
 
+@pytest.mark.slow
 def test_the_markdown_has_as_many_cells_in_every_row(found: PaperResult) -> None:
     tables = [line for line in paper_markdown(found).splitlines() if line.startswith("|")]
     widths = [line.replace("\\|", "").count("|") for line in tables]
@@ -72,6 +76,7 @@ def test_the_markdown_has_as_many_cells_in_every_row(found: PaperResult) -> None
     assert len(tables) == claims + 2 + len(found.readings)
 
 
+@pytest.mark.slow
 def test_every_reading_has_its_row_in_the_figure(found: PaperResult) -> None:
     messages, _ = plot_readings(found).axes
     assert [label.get_text() for label in messages.get_yticklabels()] == [
@@ -81,6 +86,7 @@ def test_every_reading_has_its_row_in_the_figure(found: PaperResult) -> None:
     assert drawn == [row.message_ratio for one in found.readings for row in one.rows.messages]
 
 
+@pytest.mark.slow
 def test_readings_stand_beside_the_free_receiver_too(found: PaperResult) -> None:
     panels = plot_readings(found).axes
     hollow = [
@@ -124,11 +130,13 @@ def test_no_text_of_a_diagram_leaves_its_box() -> None:
             assert 0.56 * size * len(text) <= box.width * points_per_unit, text
 
 
+@pytest.mark.slow
 def test_claims_point_at_figures_that_there_are(found: PaperResult) -> None:
     for row in found.claims:
         assert row.shown_in in {*TITLES, *TRAFFIC_FIGURES}, row.name
 
 
+@pytest.mark.slow
 def test_the_page_says_what_each_combination_took(
     found: PaperResult, read_page: Callable[[str], Any]
 ) -> None:

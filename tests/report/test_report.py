@@ -25,6 +25,7 @@ def page_without_figures(read_page: ReadPage) -> Callable[[EvaluationResult], An
     return lambda result: read_page(report_document(result, ()))
 
 
+@pytest.mark.slow
 def test_report_needs_no_network_and_its_figures_no_script(
     make_result: Make, tmp_path: Path, read_page: ReadPage
 ) -> None:
@@ -46,6 +47,7 @@ def test_names_are_text_not_markup(make_result: Make, page_without_figures: Any)
     assert "broken/<b>7</b>" in page.text
 
 
+@pytest.mark.slow
 def test_report_says_what_the_labels_mean(make_result: Make, tmp_path: Path, read_page: ReadPage) -> None:
     text = read_page(write_report(make_result(), tmp_path)[0].read_text(encoding="utf-8")).text
     for claim in (
@@ -106,6 +108,7 @@ def test_report_claims_only_what_the_settings_say(
     assert claim in page_without_figures(replace(make_result(), settings=settings)).text
 
 
+@pytest.mark.slow
 def test_report_is_the_same_twice_and_names_no_folder(make_result: Make, tmp_path: Path) -> None:
     for name in "ab":
         (tmp_path / name).mkdir()

@@ -116,6 +116,7 @@ def test_traffic_of_its_own_density_is_drawn_by_range_alone(tmp_path: Path) -> N
     assert not by_density.axes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seeds", [1, 10])
 def test_all_is_written_and_repeats_to_the_byte(seeds: int, tmp_path: Path) -> None:
     folders = (tmp_path / "one", tmp_path / "other")

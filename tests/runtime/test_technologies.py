@@ -161,6 +161,7 @@ def drives(request: pytest.FixtureRequest) -> dict[str, Drive]:
     return found
 
 
+@pytest.mark.slow
 def test_the_same_messages_are_sent_over_every_technology(drives: dict[str, Drive]) -> None:
     """Octets, times, sizes and powers."""
     virtual = drives["virtual"]
@@ -168,6 +169,7 @@ def test_the_same_messages_are_sent_over_every_technology(drives: dict[str, Driv
     assert all(found.sent == virtual.sent for found in drives.values())
 
 
+@pytest.mark.slow
 def test_every_technology_brings_every_message_to_all_others(drives: dict[str, Drive]) -> None:
     """Within 80 m and with few messages nothing is lost; the last half second may still be on its way.
 
@@ -184,6 +186,7 @@ def test_every_technology_brings_every_message_to_all_others(drives: dict[str, D
         )
 
 
+@pytest.mark.slow
 def test_hosts_that_heard_the_same_believe_the_same(drives: dict[str, Drive]) -> None:
     virtual = drives["virtual"]
     for name in RADIOS:

@@ -104,6 +104,7 @@ def all_agree(drive: Trajectory, bank: str, rules: str, threshold_m: float) -> N
     assert found.messages > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bank", "rules"),
     [

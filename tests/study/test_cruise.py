@@ -87,6 +87,7 @@ def test_change_of_speed_is_the_mean_difference_of_the_followers_over_their_mean
         speed_change_ratio(off, trace(np.zeros((2, 4)), np.zeros((2, 3))), from_s=0.0)
 
 
+@pytest.mark.slow
 def test_a_run_has_perfect_knowledge_first_and_then_every_sender_threshold_and_loss() -> None:
     steps = list[tuple[int, int]]()
     result = run_cruise(SMALL, progress=lambda done, most: steps.append((done, most)))
@@ -113,6 +114,7 @@ def test_a_run_has_perfect_knowledge_first_and_then_every_sender_threshold_and_l
     assert saving[0].rate_hz > saving[2].rate_hz
 
 
+@pytest.mark.slow
 def test_a_run_repeats_itself() -> None:
     few = replace(SMALL, senders=("mbc",), losses=(Loss(0.3, 0.5),), thresholds_m=(0.1,))
     assert run_cruise(few) == run_cruise(few)

@@ -238,6 +238,7 @@ def test_a_sensed_trip_is_measured_against_its_truth() -> None:
         SensedTrip(made.truth, replace(made.input, t_s=made.input.t_s + 0.01))
 
 
+@pytest.mark.slow
 @pytest.mark.real
 def test_a_log_on_a_coarse_grid_is_conditioned_and_a_clean_one_is_not(
     spmd_trip: Trajectory, dynamic_trips: dict[str, Trajectory]

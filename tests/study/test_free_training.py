@@ -86,6 +86,7 @@ def test_the_life_is_that_of_a_closed_form() -> None:
     assert found == pytest.approx(np.mean(np.log(np.array(lives_s) + 0.1)), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_network_learns_to_predict_longer_than_its_estimates() -> None:
     """A quarter of a turn follows every straight stretch: only who learns it can know."""
     longer = replace(SETTINGS, descent=replace(QUICK, steps=400), limits=Limits(1.0, 0.2, 1.0, 0.1))
@@ -108,6 +109,7 @@ def values_of(model: FreeMotion, given: FreeRows) -> np.ndarray[tuple[int, ...],
     return out
 
 
+@pytest.mark.slow
 def test_the_same_trips_give_the_same_numbers() -> None:
     settings = FreeMembersSettings(SETTINGS, views=VIEWS, playbacks=(AS_RECORDED,), rows=300)
     told: list[tuple[str, int, int]] = []
@@ -126,6 +128,7 @@ def test_the_same_trips_give_the_same_numbers() -> None:
     assert once.free.networks == ()
 
 
+@pytest.mark.slow
 def test_what_joins_a_profile_leaves_its_identity() -> None:
     settings = FreeMembersSettings(SETTINGS, views=VIEWS[:1], playbacks=(AS_RECORDED,), rows=200)
     shipped = default_profile()

@@ -73,6 +73,7 @@ def messages(trip: Trajectory, member: AbstractSubModel) -> int:
     return ready.run(ErrorDriven(0.2, identify="never")).updates
 
 
+@pytest.mark.slow
 def test_on_cars_it_has_not_seen_it_sends_fewer_messages_than_what_it_corrects(
     learned: AbstractSubModel,
 ) -> None:
@@ -131,6 +132,7 @@ PROCESSES = {"gp-vehicle", "gp-derivative", "gp-trained", "gp-regime-1", "gp-reg
 NETWORKS = {"free", "free-predictive", "learned"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("steps", "also", "trained"),
     [
@@ -172,6 +174,7 @@ def test_a_profile_chooses_its_bank_by_messages_and_records_how(
     assert [one["trip"] for one in profile.record["trips"]] == [trip.trip_id for trip in apart]
 
 
+@pytest.mark.slow
 def test_families_are_trained_that_the_bank_names_and_others_are_taken_over(trips: list[Trajectory]) -> None:
     """The shipped profile lends what is not trained anew, and what was added to it stays added."""
     shipped = default_profile()
@@ -195,6 +198,7 @@ def test_an_unknown_family_is_refused() -> None:
         ProfileSettings(also=("gp",))
 
 
+@pytest.mark.slow
 def test_one_route_alone_cannot_be_left_out(trips: list[Trajectory]) -> None:
     settings = ProfileSettings(CLEAN, free=FREE, processes=QUICK, validate=True)
     together = [replace(trip, trip_id=f"file/{at}") for at, trip in enumerate(trips[:2])]

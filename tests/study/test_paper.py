@@ -141,6 +141,7 @@ def test_the_process_alone_is_that_bank_of_one(trips: list[Trajectory]) -> None:
         assert row.message_ratio == pytest.approx(mbc.updates / baseline.updates)
 
 
+@pytest.mark.slow
 def test_combinations_take_the_options_that_were_best_or_worst_by_themselves(found: PaperResult) -> None:
     by_label = {one.labelled.label: one for one in found.readings}
     for label, figure, pick in (
@@ -164,6 +165,7 @@ def test_combinations_take_the_options_that_were_best_or_worst_by_themselves(fou
     assert found.readings[-1].labelled.label == "combined: worst tracking"
 
 
+@pytest.mark.slow
 def test_a_reading_that_differs_in_its_rival_alone_is_not_run_again(trips: list[Trajectory]) -> None:
     done: list[Job] = []
 
@@ -182,6 +184,7 @@ def test_a_reading_that_differs_in_its_rival_alone_is_not_run_again(trips: list[
     assert steps[-1] == (parts, parts)
 
 
+@pytest.mark.slow
 def test_the_same_plan_gives_the_same_result(trips: list[Trajectory], found: PaperResult) -> None:
     again = reproduce_paper(trips, PLAN)
     assert again.claims == found.claims
@@ -196,6 +199,7 @@ def test_work_done_elsewhere_and_out_of_order_is_refused(trips: list[Trajectory]
         reproduce_paper(trips, replace(PLAN, thresholds_m=(0.5,), seeds=1), each=backwards)
 
 
+@pytest.mark.slow
 def test_short_trips_are_left_out_and_named(trips: list[Trajectory]) -> None:
     first = trips[0]
     stump = build_trajectory("stump/1", first.t_s[:6], first.position_m[:6])

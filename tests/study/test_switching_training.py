@@ -348,6 +348,7 @@ def _folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_the_command_adds_to_a_profile_and_banks_take_from_it(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "mine.json"
     asked = [

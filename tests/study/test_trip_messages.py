@@ -76,6 +76,7 @@ def differences(
     return wrong, compared
 
 
+@pytest.mark.slow
 @pytest.mark.real
 @pytest.mark.parametrize("name", ["TESLA_MODELX", "MERCEDES_GLE450"])
 def test_the_walk_is_algorithm_1_on_test_track_trips(
@@ -88,6 +89,7 @@ def test_the_walk_is_algorithm_1_on_test_track_trips(
     assert (wrong, compared) == ([], 160)
 
 
+@pytest.mark.slow
 @pytest.mark.real
 def test_the_walk_is_algorithm_1_on_the_safety_pilot_log(
     spmd_trip: Trajectory, replica: Callable[..., Any], algorithm_1: Callable[..., Any]
@@ -96,6 +98,7 @@ def test_the_walk_is_algorithm_1_on_the_safety_pilot_log(
     assert (wrong, compared) == ([], 160)
 
 
+@pytest.mark.slow
 def test_the_walk_is_algorithm_1_with_three_sub_models_over_gaps(
     gapped_drive: Trajectory, replica: Callable[..., Any], algorithm_1: Callable[..., Any]
 ) -> None:

@@ -116,6 +116,7 @@ def test_a_drive_that_cannot_tell_is_not_judged() -> None:
     assert np.isnan(period_s(t[:3], np.zeros((3, 2))))
 
 
+@pytest.mark.slow
 def test_no_trip_of_the_development_data_is_called_joined(data_folder: Path) -> None:
     """All are honest; positions that a unit extrapolates from 1 Hz are found by another test."""
     found = {trip.trip_id: straight_lines(trip) for trip in read_trips(data_folder)}

@@ -1,5 +1,6 @@
 """The documentation site, built and looked at in a browser: every page, on a phone and on a desk."""
 
+import re
 import subprocess
 import sys
 import threading
@@ -16,7 +17,7 @@ import modelcast
 from .browser import VIEWS, View, faults, opened_page
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, Page
 
 pytestmark = pytest.mark.slow
 
@@ -80,6 +81,13 @@ def test_types_in_signatures_lead_to_where_they_are_described(site: Path) -> Non
     assert 'href="studies.html#modelcast.EvaluationSettings"' in page
 
 
+@pytest.mark.parametrize("internal", ["_Buffer", "Annotated", "&lt;function", "&lt;class", "Bases: object"])
+def test_signatures_hold_nothing_of_the_inside(site: Path, internal: str) -> None:
+    pages = {path.name: path.read_text(encoding="utf-8") for path in (site / "api").glob("*.html")}
+    words = {name: re.sub(r"<[^>]+>", "", text) for name, text in pages.items()}
+    assert [name for name, text in words.items() if internal in text] == []
+
+
 def test_a_second_build_is_the_same_to_the_octet(site: Path, tmp_path: Path) -> None:
     again = build(tmp_path / "site")
     files = {path.relative_to(site) for path in site.rglob("*") if path.is_file()}
@@ -125,6 +133,28 @@ def test_search_finds_the_page(browser: "Browser", address: str, words: str, pag
         assert any(link.partition("#")[0].partition("?")[0].endswith(f"/{page}") for link in links[:10]), (
             links
         )
+    assert told == []
+
+
+@pytest.mark.parametrize("view", [PHONE, DESK], ids=str)
+def test_a_picture_opens_large(browser: "Browser", address: str, view: View) -> None:
+    def opened(page: "Page") -> None:
+        small: Any = page.locator("button.enlarge img").first.bounding_box()
+        page.locator("button.enlarge").first.click()
+        large: Any = page.locator("dialog.enlarged img").bounding_box()
+        assert large["width"] > 1.2 * small["width"]
+
+    assert faults(browser, f"{address}/index.html", view, prepare=opened) == []
+
+
+def test_options_stay_on_one_line_on_a_phone(browser: "Browser", address: str) -> None:
+    told: list[str] = []
+    with opened_page(browser, f"{address}/how-to/my-radio.html", PHONE, told) as opened:
+        lines = opened.locator("article code span.pre").evaluate_all(
+            "all => all.filter(one => /^--/.test(one.textContent)).map(one => one.getClientRects().length)"
+        )
+        assert len(lines) > 2
+        assert set(lines) == {1}
     assert told == []
 
 

@@ -60,6 +60,7 @@ def test_what_was_done_lies_inside_the_drive_in_order(drives: list[KnownDrive]) 
     assert {one.kind for drive in drives for one in drive.manoeuvres} == set(KINDS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("recording", ["ideal", "gnss", "coarse"])
 def test_they_are_found_again(drives: list[KnownDrive], recording: str) -> None:
     known, hits, found = Counter[ManoeuvreKind](), Counter[ManoeuvreKind](), Counter[ManoeuvreKind]()

@@ -1,7 +1,7 @@
 """A Sphinx extension: what screen readers cannot say of Sphinx's pages is written otherwise.
 
 The parameters of a long signature are definitions without a term; here they are lines. An empty cell in a
-table's head is a heading without words; here it is a cell.
+table's head is a heading without words; here it is a cell, and a head of such cells alone is left out.
 """
 
 import re
@@ -14,6 +14,7 @@ __all__ = ["setup"]
 
 _PARAMETERS = re.compile(r"<dl>\n((?:<dd>.*</dd>\n)+)</dl>")
 _EMPTY_HEADING = re.compile(r"<th([^>]*)>\s*(?:<p>\s*</p>)?\s*</th>")
+_EMPTY_HEAD = re.compile(r"<thead>\s*<tr[^>]*>\s*(?:<td[^>]*></td>\s*)+</tr>\s*</thead>\s*")
 
 
 def _lines(found: re.Match[str]) -> str:
@@ -27,7 +28,8 @@ def _rewrite(
 ) -> None:
     """Rewrite a page."""
     if "body" in context:
-        context["body"] = _EMPTY_HEADING.sub(r"<td\1></td>", _PARAMETERS.sub(_lines, context["body"]))
+        body = _EMPTY_HEADING.sub(r"<td\1></td>", _PARAMETERS.sub(_lines, context["body"]))
+        context["body"] = _EMPTY_HEAD.sub("", body)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

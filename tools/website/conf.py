@@ -21,6 +21,7 @@ extensions = [
     "public_references",
     "docstring_text",
     "accessible",
+    "widths",
 ]
 exclude_patterns = ["_build"]
 suppress_warnings: list[str] = []
@@ -47,10 +48,11 @@ toc_object_entries_show_parents = "hide"
 
 html_theme = "pydata_sphinx_theme"
 html_title = "modelcast"
-html_static_path = ["static"]
+_SHARED = ("enlarge.js", "enlarge.css", "scrollable.js", "scrollable.css")
+html_static_path = ["static", *(f"../../src/modelcast/report/static/{name}" for name in _SHARED)]
 templates_path = ["templates"]
-html_css_files = ["site.css"]
-html_js_files = ["copy.js"]
+html_css_files = ["enlarge.css", "scrollable.css", "site.css"]
+html_js_files = ["copy.js", *((name, {"defer": "defer"}) for name in ("enlarge.js", "scrollable.js"))]
 html_favicon = "../../src/modelcast/dashboard/static/icon.svg"
 html_copy_source = False
 html_show_sourcelink = False

@@ -86,15 +86,18 @@ def _write_interface(folder: Path) -> Iterator[_Entry]:
     homes: Mapping[str, str] = modelcast.__dict__["_HOMES"]
     for subject, names in names_by_subject(homes):
         place = PurePosixPath("api") / (subject.lower().replace(",", "").replace(" ", "-") + ".rst")
-        lines = [subject, "=" * len(subject), "", ".. currentmodule:: modelcast", ""]
+        # Pages of the reference have the same subjects: in tabs and among what was found this one says more.
+        title = f"{INTERFACE}: {subject[:1].lower()}{subject[1:]}"
+        lines = [title, "=" * len(title), "", ".. currentmodule:: modelcast", ""]
         summaries = {name: summary_of(name, homes[name]) for name in names}
         lines += [
-            "Import these from ``modelcast``; below the table each has its parameters, units and errors.",
+            "Import these from ``modelcast``; below the list each has its parameters, units and errors.",
+            "",
+            ".. rst-class:: names",
             "",
         ]
-        lines += [".. list-table::", "   :class: names", ""]
         for name in names:
-            lines += [f"   * - `{name}`", f"     - {summaries[name]}"]
+            lines += [f"`{name}`", f"   {summaries[name]}"]
         lines += [""]
         for name in names:
             kind = _kind(getattr(modelcast, name))

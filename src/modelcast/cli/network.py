@@ -21,7 +21,7 @@ def network(
     density: Numbers = (25.0, 100.0, 400.0),
     radio: Words = ("dsrc",),
     radio_settings: bool = False,
-    policy: Words = ("bsm-10hz", "j2945", "j2945-mbc", "mbc", "cam"),
+    policy: Words = ("bsm-10hz", "j2945", "j2945-free", "j2945-mbc", "free", "mbc", "cam"),
     bank: Words = ("default",),
     threshold: Numbers = (0.2,),
     options: FleetOptions = FleetOptions(),  # noqa: B008 - frozen

@@ -152,7 +152,8 @@ def compare(
         several of them.
     candidates
         What is compared, one or several; a trained one is fitted anew for every route, on the trips of the
-        others.
+        others. The free receiver is put behind them, unless it is one of them or `EvaluationSettings.free` is
+        None.
     settings
         What to do.
     progress
@@ -175,8 +176,8 @@ def compare(
     >>> from modelcast.world.drive import generate_drive
     >>> asked = CompareSettings(EvaluationSettings((0.5,), (0.0,), seeds=1, references=False), ("recorded",))
     >>> found = compare(generate_drive(1, 90.0).truth, [FixedCandidate("cv", BASELINE_BANK)], asked)
-    >>> found.ratios.select("candidate", "threshold_m", "message_ratio").rows()
-    [('cv', 0.5, 1.0)]
+    >>> found.ratios["candidate"].to_list(), found.ratios["message_ratio"][0]
+    (['cv', 'free'], 1.0)
     """
     if settings is not None:
         require_type("settings", settings, CompareSettings)

@@ -13,7 +13,9 @@ from modelcast.report.figures.files import drawn, write_report_files
 from modelcast.report.figures.network import NETWORK_FIGURES
 from modelcast.report.figures.senders import NO_THRESHOLD_TEXT, also_told, density_text, threshold_text
 from modelcast.report.fleet_warnings import warnings_console, warnings_markdown, warnings_part
+from modelcast.report.literal import Prose
 from modelcast.report.mixed import mixed_markdown, mixed_part
+from modelcast.report.network_findings import network_findings
 from modelcast.report.page import CSS, figure, page
 from modelcast.report.seed_means import people_cells, roadside_cells
 from modelcast.report.settings_section import settings_section
@@ -115,9 +117,12 @@ def _traffic_lines(traffic: Mapping[str, Any]) -> list[str]:
 
 
 def network_markdown(
-    result: NetworkResult, traffic: Mapping[str, Any] | None = None, notes: Sequence[str] = ()
+    result: NetworkResult,
+    traffic: Mapping[str, Any] | None = None,
+    notes: Sequence[str] = (),
+    options: Mapping[str, Any] | None = None,
 ) -> str:
-    """Return the one table of a network evaluation as Markdown.
+    """Return what was found and the one table of a network evaluation as Markdown.
 
     Parameters
     ----------
@@ -127,8 +132,15 @@ def network_markdown(
         What the file of floating-car data holds, as plain values; None where the traffic is none.
     notes
         What must be known before the figures.
+    options
+        What they were run with, as plain values; where None, nothing is said of the traffic.
     """
     lines = [
+        *(
+            text
+            for title, said in network_findings(result, options)
+            for text in (f"**{title}.** {markdown(said)}", "")
+        ),
         _SCOPE,
         "",
         *(text for line in notes for text in (f"**{markdown(line)}**", "")),
@@ -154,7 +166,7 @@ def network_markdown(
 
 
 def network_console(result: NetworkResult) -> RenderableType:
-    """Return the short table for the terminal: a line a sender, under its radio and density.
+    """Return what was found and the short table for the terminal: a line a sender, by radio and density.
 
     Parameters
     ----------
@@ -178,7 +190,8 @@ def network_console(result: NetworkResult) -> RenderableType:
         padding=(0, 0, 0, 0),
         min_width=8,
     )
-    return Group(shown, *([warnings_console(result)] if result.pooled_warnings else ()))
+    found_lines = [Prose(f"{title}: {text}") for title, text in network_findings(result)]
+    return Group(*found_lines, shown, *([warnings_console(result)] if result.pooled_warnings else ()))
 
 
 def write_network_report(
@@ -188,6 +201,7 @@ def write_network_report(
     *,
     traffic: Mapping[str, Any] | None = None,
     notes: Sequence[str] = (),
+    defaults: Mapping[str, Any] | None = None,
 ) -> list[Path]:
     """Write ``table.md``, ``report.html`` and the figures as PNG and SVG; return their paths.
 
@@ -203,6 +217,8 @@ def write_network_report(
         An existing folder.
     traffic, notes
         As for `network_markdown`.
+    defaults
+        As for `settings_section`.
     """
     if result.pairings:
         (Path(folder) / "pairings.md").write_text(mixed_markdown(result), encoding="utf-8", newline="\n")
@@ -212,6 +228,10 @@ def write_network_report(
         more = [drawn(name, plot) for part in parts for name, (_, plot) in part.figures.items()]
     body = [
         "<h1>Fleets on a shared channel</h1>",
+        *(
+            f'<p class="finding"><strong>{title}.</strong> {escape(text)}</p>'
+            for title, text in network_findings(result, options)
+        ),
         f'<p class="scope">{escape(_SCOPE)}</p>',
         *(f'<p class="note">{escape(line)}.</p>' for line in notes),
         _cells(result).html(),
@@ -230,9 +250,9 @@ def write_network_report(
     if traffic is not None:
         lines = "".join(f"<li>{escape(line.strip())}</li>" for line in _traffic_lines(traffic))
         body.append(f"<h2>Traffic</h2><ul>{lines}</ul>")
-    body += ["<h2>Options</h2>", settings_section(options)]
+    body += ["<h2>Options</h2>", settings_section(options, defaults)]
     texts = {
-        "table.md": network_markdown(result, traffic, notes),
+        "table.md": network_markdown(result, traffic, notes, options),
         "report.html": page("modelcast: fleets on a shared channel", CSS, body),
     }
     return write_report_files(texts, [*drawings, *more], folder)

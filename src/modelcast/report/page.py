@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from modelcast.core.cells import escape
 from modelcast.report.figures.files import Drawing
-from modelcast.report.scripts import content_policy, script
+from modelcast.report.scripts import content_policy, script, static_text
 from modelcast.report.svg_address import svg_address
 
 __all__ = ["CSS", "embedded_figure", "figure", "page"]
@@ -12,7 +12,7 @@ __all__ = ["CSS", "embedded_figure", "figure", "page"]
 CSS = """
 :root { color-scheme: light; }
 body { font: 15px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif; color: #222;
-  background: #fff; max-width: 62rem; margin: 2rem auto; padding: 0 1.25rem; }
+  background: #fff; max-width: 62rem; margin: 2rem auto; padding: 0 1.25rem; overflow-wrap: break-word; }
 h1 { font-size: 1.6rem; margin: 0 0 .25rem; }
 h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid #ddd; padding-bottom: .2rem; }
 h3 { font-size: .95rem; margin: 1.4rem 0 .2rem; }
@@ -20,34 +20,21 @@ h3 { font-size: .95rem; margin: 1.4rem 0 .2rem; }
 .finding { max-width: 46rem; }
 .note { color: #555; font-size: .85rem; }
 .wide { overflow-x: auto; }
+@media screen and (min-width: 66rem) { .wide { width: fit-content; max-width: calc(50vw + 28rem); } }
 table { border-collapse: collapse; font-size: .8rem; font-variant-numeric: tabular-nums; margin: .4rem 0; }
 th, td { padding: .22rem .55rem; text-align: right; vertical-align: top; border-bottom: 1px solid #eee; }
 th { font-weight: 600; vertical-align: bottom; border-bottom: 1px solid #999; }
 th.text, td.text { text-align: left; overflow-wrap: anywhere; min-width: 4.5rem; }
+td.text:first-child { min-width: 6rem; }
+td:not(.text) { white-space: nowrap; }
 .settings td:first-child { white-space: nowrap; }
 tbody tr:nth-child(even) { background: #f7f8fa; }
 figure { margin: 1.4rem 0 2rem; }
 figure img { max-width: 100%; height: auto; display: block; }
 figcaption { font-size: .85rem; color: #444; margin-top: .5rem; max-width: 46rem; }
-.enlarge { display: block; max-width: 100%; padding: 0; border: 0; background: none; cursor: zoom-in; }
-.enlarge span { display: none; font: inherit; font-size: .85rem; color: #0072b2; text-align: left;
-  padding: .5rem 0; }
-@media (max-width: 750px) { .enlarge span { display: block; } }
-.enlarged { width: 100vw; height: 100dvh; max-width: none; max-height: none; margin: 0; padding: .6rem;
-  border: 0; box-sizing: border-box; }
-.enlarged[open] { display: flex; flex-direction: column; gap: .5rem; }
-.enlarged header { display: flex; gap: .5rem; align-items: center; justify-content: flex-end; }
-.enlarged strong { flex: 1; min-width: 0; overflow-wrap: anywhere; }
-.enlarged button[hidden] { display: none; }
-.enlarged p { margin: 0; font-size: .85rem; color: #444; }
-.enlarged p[hidden] { display: none; }
-.enlarged button { font: inherit; padding: .3rem 1rem; min-height: 40px; cursor: pointer; }
-.enlarged div { flex: 1; min-height: 0; width: 100%; overflow: auto; }
-.enlarged img { display: block; height: auto; max-width: none; margin: 0 auto; }
 :focus-visible { outline: 3px solid #0072b2; outline-offset: 2px; }
 summary { cursor: pointer; font-weight: 600; margin: .4rem 0; }
 @media print {
-  .enlarge span { display: none; }
   @page { margin: 15mm; }
   body { max-width: none; margin: 0; padding: 0; font-size: 10pt; }
   figure, tr { break-inside: avoid; }
@@ -55,6 +42,7 @@ summary { cursor: pointer; font-weight: 600; margin: .4rem 0; }
   thead { display: table-header-group; }
   table { font-size: 6.5pt; }
   th, td { padding: .1rem .25rem; }
+  td:not(.text) { white-space: normal; }
   .wide { overflow: visible; }
 }
 """
@@ -77,11 +65,12 @@ def page(title: str, css: str, body: Iterable[str], scripts: Sequence[str] = ())
         Texts of scripts that run once the body is there.
     """
     run = (script("scrollable.js", "enlarge.js"), *scripts)
+    shared = static_text("scrollable.css") + static_text("enlarge.css")
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{content_policy(run)}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title)}</title>\n<style>{css}</style>\n</head>\n<body>\n<main>\n"
+        f"<title>{escape(title)}</title>\n<style>{css}{shared}</style>\n</head>\n<body>\n<main>\n"
         + "\n".join(part for part in body if part)
         + "\n</main>\n"
         + "".join(f"<script>{text}</script>\n" for text in run)

@@ -1,7 +1,8 @@
 """An evaluation of a safety application in the terminal, as Markdown and as a page."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Group, RenderableType
 
@@ -19,8 +20,10 @@ from modelcast.report.settings_section import settings_section
 from modelcast.report.style import style
 from modelcast.report.training_trips import training_note
 from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
-from modelcast.study.rules import MODEL_SENDER
+from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.safety.result import SafetyResult, kind_of
+from modelcast.study.safety.settings import SafetySettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.table import Row
 
 __all__ = ["safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
@@ -70,16 +73,42 @@ def safety_headline(result: SafetyResult) -> list[str]:
         lines.append(f"fewer than {ENOUGH} true warnings: the ratios below are anecdotes")
     shown = shown_ratios(result.pooled)
     basis = "airtime" if any(row.basis == "airtime" for row in result.pooled) else result.pooled[0].basis
-    for row in result.pooled:
-        at = shown[kind_of(row)]
-        if (row.packet_error_ratio, row.basis) != (at, basis) or row.candidate == against:
-            continue
-        lines.append(
-            f"{row.sensor}, {loss_words(kind_of(row))}, {100 * at:.4g} % lost, equal {basis} (what {budget} "
-            f"needs): {row.candidate} misses {over_text(row, 'missed')} of what "
-            f"{against} misses, with {over_text(row, 'false')} of its false ones"
-        )
+    for reading in dict.fromkeys((basis, "threshold")):
+        own = [row for row in result.pooled if row.basis == reading]
+        for row in own:
+            at = shown[kind_of(row)]
+            if row.packet_error_ratio != at or row.candidate == against:
+                continue
+            if reading != basis and row.candidate != budget:  # the table has the others
+                continue
+            equal = (
+                f"at the same threshold ({row.message_rate_hz:.2f} messages a second)"
+                if reading == "threshold"
+                else f"equal {reading} (what {budget} needs)"
+            )
+            lines.append(
+                f"{row.sensor}, {loss_words(kind_of(row))}, {100 * at:.4g} % lost, {equal}: {row.candidate} "
+                f"misses {over_text(row, 'missed')} of what {against} misses, with {over_text(row, 'false')} "
+                f"of its false ones{_beside_free(row, own)}"
+            )
     return lines
+
+
+def _beside_free(row: Row, own: Sequence[Row]) -> str:
+    """The same over the free receiver's, of whoever is not it; nothing where it was not run."""
+    for free in own:
+        same = (kind_of(free), free.packet_error_ratio) == (kind_of(row), row.packet_error_ratio)
+        if free.candidate != FREE_RECEIVER or not same or row.candidate == FREE_RECEIVER:
+            continue
+        missed, false = (
+            _over(getattr(row, name), getattr(free, name)) for name in ("missed_ratio", "false_ratio")
+        )
+        return f"; over {FREE_RECEIVER}'s {missed} missed and {false} false, for which there is no interval"
+    return ""
+
+
+def _over(own: float, other: float) -> str:
+    return f"{own / other:.2f}" if other > 0.0 else "-"
 
 
 def safety_console(result: SafetyResult) -> RenderableType:
@@ -142,6 +171,7 @@ def write_safety_report(
     training_trips: Sequence[str],
     trips: int,
     beside: Sequence[Path] = (),
+    defaults: Mapping[str, Any] | None = None,
 ) -> list[Path]:
     """Write ``table.md``, ``report.html`` and the figures; return their paths.
 
@@ -155,6 +185,8 @@ def write_safety_report(
         Trips that a bank was trained on, and how many there were.
     beside
         Output folders of other commands whose figures are shown too.
+    defaults
+        As for `settings_section`; those of `SafetySettings` where None.
     """
     with style():
         shown = {name: (caption, plot(result)) for name, (caption, plot) in SAFETY_FIGURES.items()}
@@ -174,9 +206,10 @@ def write_safety_report(
     if result.failures or result.skipped:
         left_out = [*result.failures.items(), *result.skipped.items()]
         body += ["<h2>Left out</h2>", Cells(["what", "why"], left_out).html()]
+    usual = SafetySettings(EvaluationSettings(protocol="sensor")).as_plain() if defaults is None else defaults
     body += [
         "<h2>Options</h2>",
-        settings_section(result.settings),
+        settings_section(result.settings, usual),
     ]
     html = page("modelcast: warnings from messages", CSS, body)
     return write_report_files({"table.md": safety_markdown(result), "report.html": html}, drawings, folder)

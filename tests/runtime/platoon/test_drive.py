@@ -81,6 +81,7 @@ def test_an_equilibrium_stays(law: AbstractCruiseLaw) -> None:
     assert not trace.fell_back.any()
 
 
+@pytest.mark.slow
 @every_law
 def test_behind_a_leader_that_has_come_to_a_new_speed_spacing_errors_vanish(law: AbstractCruiseLaw) -> None:
     leader = RecordedSpeed("up", np.array([0.0, 4.0]), np.array([25.0, 28.0]))

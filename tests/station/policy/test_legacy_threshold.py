@@ -131,6 +131,7 @@ def test_legacy_receivers_err_by_less_than_the_threshold_at_every_sample(
     assert bound.updates > free.updates
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bank", "rules", "believe"),
     [

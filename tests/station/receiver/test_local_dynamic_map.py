@@ -613,9 +613,18 @@ def test_the_statuses_of_the_compiled_loop_are_the_receipts() -> None:
 
 
 @pytest.mark.real
-@pytest.mark.parametrize("bank", [BANK, DAMPED], ids=["whole", "damped"])
+@pytest.mark.parametrize(
+    "bank", [pytest.param(BANK, id="whole", marks=pytest.mark.slow), pytest.param(DAMPED, id="damped")]
+)
 @pytest.mark.parametrize("name", ["TESLA_MODELX", pytest.param("MERCEDES_GLE450", marks=pytest.mark.slow)])
-@pytest.mark.parametrize(("identify", "expiry_s"), [("best", math.inf), ("never", 1.5), ("best", 1.5)])
+@pytest.mark.parametrize(
+    ("identify", "expiry_s"),
+    [
+        pytest.param("best", math.inf, marks=pytest.mark.slow),
+        pytest.param("never", 1.5, marks=pytest.mark.slow),
+        ("best", 1.5),
+    ],
+)
 def test_fed_message_by_message_it_believes_what_the_replay_says(
     identify: Literal["best", "never"],
     expiry_s: float,

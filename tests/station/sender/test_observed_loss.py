@@ -44,6 +44,7 @@ def sender(policy: ErrorDriven) -> Sender:
     return Sender("made", policy, BANK)
 
 
+@pytest.mark.slow
 def test_a_station_that_loses_what_others_send_sends_more_itself() -> None:
     """It hears none of its own losses, so it takes those of the others; where nothing is lost it is plain."""
     expecting = ErrorDriven(0.2, "hindsight", "never", 0.8, believe="expected", budget=np.inf)

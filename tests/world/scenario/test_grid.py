@@ -131,6 +131,7 @@ def driven(grid: Grid, duration_s: float, seed: int) -> tuple[list[GridState], l
     return states, [grid.frame(state) for state in states]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("density", "straight"), [(20.0, 0.8), (35.0, 0.5)])
 def test_with_priority_nobody_comes_within_a_second_of_another_way(density: float, straight: float) -> None:
     grid = Grid(5, 5, density, junctions="priority", straight_ratio=straight, warm_up_s=60.0)
@@ -143,6 +144,7 @@ def test_with_priority_nobody_comes_within_a_second_of_another_way(density: floa
     assert (speed.max(axis=0) > 3.0).mean() > 0.9, "hardly anybody waits for minutes"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 3])
 def test_who_misjudges_crosses_within_a_second_of_another_and_touches_nobody(seed: int) -> None:
     """Post-encroachment times under 1 s, by rectangles and not by the rule: one an entry, give or take."""

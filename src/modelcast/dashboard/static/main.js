@@ -5,9 +5,10 @@ import { connect } from "./connection.js";
 import { drawMap, placeAt } from "./draw.js";
 import { Panels } from "./panels.js";
 import { pointers } from "./pointers.js";
-import { Series } from "./series.js";
+import { Series, SPAN_S } from "./series.js";
 import { History, readSnapshot } from "./snapshots.js";
 
+const MOST_READ = 300; // snapshots of the past that are read again when a remote is chosen: more would be felt
 const MOST_AHEAD_S = 0.5; // drawn on along the predicted path for no longer than this, where nothing new comes
 const FIRST_SIGHT_M = 360; // across the map at first, round the host
 const PALETTE = ["--m0", "--m1", "--m2", "--m3", "--m4", "--m5", "--m6", "--m7"];
@@ -132,11 +133,13 @@ function choose(id) {
   state.chosen = id;
   const rows = [];
   if (id !== null) {
-    for (const item of history.items.slice(-300)) {
-      if (state.snapshot && item.t > state.snapshot.t) break;
-      const past = readSnapshot(item.text).byId.get(id);
-      if (past) rows.push({ ...past, t: item.t });
-    }
+    const now = state.snapshot ? state.snapshot.t : Infinity;
+    const recent = history.items.filter((item) => item.t <= now && item.t >= now - SPAN_S);
+    const every = Math.ceil(recent.length / MOST_READ);
+    recent.reverse().forEach((item, place) => {
+      const past = place % every ? null : readSnapshot(item.text).byId.get(id);
+      if (past) rows.unshift({ ...past, t: item.t });
+    });
   }
   series.restart(rows);
   panels.choose(state.snapshot, id);

@@ -1,6 +1,7 @@
 // The series of the remote that is chosen: small charts over the last minute.
 
-const SPAN_S = 60;
+export const SPAN_S = 60;
+const APART_S = 2; // what was not seen in between is not drawn: a log that was wound on says nothing of it
 const CHARTS = [
   { key: "error", name: "Error", unit: "m", digits: 2 },
   { key: "age", name: "Age of the model", unit: "s", digits: 1 },
@@ -76,7 +77,7 @@ export class Series {
     if (chart.key === "model") {
       for (let k = 0; k < values.length; k++) {
         const from = x(this.rows[k].t);
-        const to = k + 1 < values.length ? x(this.rows[k + 1].t) : wide;
+        const to = k + 1 < values.length ? x(Math.min(this.rows[k + 1].t, this.rows[k].t + APART_S)) : wide;
         pen.fillStyle = this.colourOf(values[k]);
         pen.fillRect(from, 14, Math.max(to - from, 1.5) + 0.5, 16);
       }
@@ -94,14 +95,14 @@ export class Series {
     pen.strokeStyle = colours.accent;
     pen.lineWidth = 1.6;
     pen.beginPath();
+    pen.lineCap = "round";
     let open = false;
     for (let k = 0; k < values.length; k++) {
-      if (values[k] === null) open = false;
-      else if (open) pen.lineTo(x(this.rows[k].t), y(values[k]));
-      else {
-        pen.moveTo(x(this.rows[k].t), y(values[k]));
-        open = true;
-      }
+      const [place, height] = [x(this.rows[k].t), y(values[k])];
+      open = open && values[k] !== null && this.rows[k].t - this.rows[k - 1].t <= APART_S;
+      if (!open && values[k] !== null) pen.moveTo(place, height);
+      if (values[k] !== null) pen.lineTo(place, height);
+      open = values[k] !== null;
     }
     pen.stroke();
     pen.fillStyle = colours.soft;

@@ -336,5 +336,5 @@ _FREE = "Free receiver"
 
 def _one(axes: Axes, label: str) -> None:
     """Draw the line of whom ratios are to."""
-    look = {"color": INK} if label == _BASELINE else {"color": POLICY_COLOURS["free"], "linestyle": "--"}
-    axes.axhline(1.0, linewidth=1.1, label=label, zorder=1, **look)
+    colour, line = (INK, "-") if label == _BASELINE else (POLICY_COLOURS["free"], "--")
+    axes.axhline(1.0, color=colour, linestyle=line, linewidth=1.1, label=label, zorder=1)

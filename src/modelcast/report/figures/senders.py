@@ -14,6 +14,7 @@ from typing import Any
 from matplotlib.colors import to_hex, to_rgb
 
 from modelcast.report.figures.panels import drawable
+from modelcast.report.style import POLICY_COLOURS
 from modelcast.study.network.mixed import mixed_of
 from modelcast.study.network.rows import (
     NO_BANK,
@@ -39,9 +40,9 @@ Marker = str | tuple[int, int, int]
 
 _COLOURS = {
     "bsm-10hz": "#777777",
-    "baseline": "#e69f00",
-    "free": "#999933",
-    "mbc": "#0072b2",
+    "baseline": POLICY_COLOURS["baseline"],
+    "free": POLICY_COLOURS["free"],
+    "mbc": POLICY_COLOURS["mbc"],
     "j2945": "#d55e00",
     "j2945-filtered": "#882255",
     "j2945-free": "#7a4b00",
@@ -53,7 +54,7 @@ _COLOURS = {
     "j3161": "#aa3377",
     "j3161-mbc": "#44bb99",
     "j3161-mbc-relaxed": "#6699cc",
-    "cam": "#cc79a7",
+    "cam": "#999933",
     "cam-reactive": "#661100",
     "cam-uncontrolled": "#117733",
     "cam-road": "#4b0092",

@@ -1,11 +1,12 @@
-// Every figure opens in a dialog under its title: by tap, by Enter; Escape closes it. On a desk all of it is in
-// sight; where the window is narrow it is larger than the window and scrolls, so that its small print can be read.
-// It opens there at its top, where legends stand, and a button shows the whole of it.
+// Every figure of a report, and every picture in the text of the site, opens in a dialog under its title: by tap, by
+// Enter; Escape closes it. On a desk all of it is in sight; where the window is narrow it is larger than the window
+// and scrolls, so that its small print can be read. It opens there at its top, where legends stand, and a button
+// shows the whole of it.
 
 const NARROW_PX = 700, MAGNIFIED = 1.6;
 
 const startEnlarging = () => {
-  const figures = [...document.querySelectorAll("figure > img")];
+  const figures = [...document.querySelectorAll("figure > img, article p > img")];
   if (!figures.length) return;
   const dialog = document.createElement("dialog");
   dialog.className = "enlarged";

@@ -1,0 +1,181 @@
+"""What runs of fleets found, what they did not, and on which traffic, in words made from the pooled rows.
+
+A sender of models is held against those that differ from it in the model alone: of plain messages by the
+same rules, which receivers coast with their acceleration and turn (the free one) or at constant velocity.
+Messages and errors stand together, for neither is equal in these runs.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from modelcast.report.ratio_words import MESSAGES, numbers, range_text, share_text, verdict
+from modelcast.study.network.rows import NO_BANK, NetworkResult
+from modelcast.study.table import Row
+
+__all__ = ["network_findings"]
+
+_MODELS = "mbc"
+_SENT, _ERRED = "message_rate_hz", "pte_p90_m"
+_LARGE = ("smaller than", "as large as", "larger than")
+_MOST_SENDERS = 4
+
+_Place = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Beside:
+    """One sender of models beside a rival, over all densities and radios that both ran at.
+
+    ``messages`` and ``errors`` are its own over the rival's; ``alike`` counts the places at which intervals
+    of the errors over the seeds overlap, None without intervals.
+    """
+
+    sender: str
+    rival: str
+    is_free: bool
+    messages: list[float]
+    errors: list[float]
+    alike: int | None
+
+
+def network_findings(
+    result: NetworkResult, options: Mapping[str, Any] | None = None
+) -> list[tuple[str, str]]:
+    """Return what was found, what not, and on which traffic; nothing where no sender of models was run.
+
+    Parameters
+    ----------
+    result
+        All runs.
+    options
+        What they were run with, as plain values; where None, nothing is said of the traffic.
+
+    Returns
+    -------
+    list of tuple
+        A title and its text each.
+    """
+    pairs = _pairs(result)
+    senders = list(dict.fromkeys(_label(result, row) for row in result.pooled if _sends_models(row.policy)))
+    if not senders:
+        return []
+    data = [] if options is None else [("Data", _data(result, options))]
+    return [("Found", _found(pairs, senders)), ("Not found", _not_found(pairs, senders)), *data]
+
+
+def _sends_models(policy: str) -> bool:
+    return "+" not in policy and _MODELS in policy.partition(":")[0].split("-")
+
+
+def _rivals(policy: str) -> list[tuple[str, bool]]:
+    """The policies that differ from a sender of models in the model alone, the free one first."""
+    head, colon, words = policy.partition(":")
+    plain = "baseline" if head == _MODELS else head.partition(f"-{_MODELS}")[0]
+    free = "-".join("free" if part == _MODELS else part for part in head.split("-"))
+    return [(f"{free}{colon}{words}", True), (f"{plain}{colon}{words}", False)]
+
+
+def _label(result: NetworkResult, row: Row) -> str:
+    is_told = len(result.banks) > 1 and row.bank != NO_BANK
+    return f"{row.policy} ({row.bank})" if is_told else row.policy
+
+
+def _pairs(result: NetworkResult) -> list[_Beside]:
+    """Every sender of models beside each of its rivals that was run."""
+    by_sender: dict[tuple[str, str], dict[_Place, dict[str, Row]]] = {}
+    for row in result.pooled:
+        places = by_sender.setdefault((row.policy, _label(result, row)), {})
+        place = repr(row.density_per_km), row.radio, repr(row.threshold_m)
+        places.setdefault(place, {})[row.figure] = row
+    found: list[_Beside] = []
+    for (policy, label), own in by_sender.items():
+        if not _sends_models(policy):
+            continue
+        for rival, is_free in _rivals(policy):
+            other = by_sender.get((rival, rival))
+            if other is None:
+                continue
+            both = [(own[place], other[place]) for place in own if place in other]
+            if both:
+                found.append(_beside(label, rival, both, is_free=is_free))
+    return found
+
+
+def _beside(
+    sender: str, rival: str, both: Sequence[tuple[Mapping[str, Row], Mapping[str, Row]]], *, is_free: bool
+) -> _Beside:
+    errors = [(own[_ERRED], other[_ERRED]) for own, other in both]
+    known = [
+        one.low <= two.high and two.low <= one.high
+        for one, two in errors
+        if None not in {one.low, one.high, two.low, two.high}
+    ]
+    return _Beside(
+        sender,
+        rival,
+        is_free=is_free,
+        messages=numbers(_over(own[_SENT].value, other[_SENT].value) for own, other in both),
+        errors=numbers(_over(one.value, two.value) for one, two in errors),
+        alike=sum(known) if known else None,
+    )
+
+
+def _over(own: float, other: float) -> float | None:
+    return own / other if other > 0.0 else None
+
+
+def _found(pairs: Sequence[_Beside], senders: Sequence[str]) -> str:
+    said: list[str] = []
+    for sender in senders[:_MOST_SENDERS]:
+        for one in pairs:
+            if one.sender != sender or not one.messages or not one.errors:
+                continue
+            said.append(
+                f"{sender} sent {verdict(one.messages, MESSAGES)} {one.rival} "
+                f"({range_text(one.messages)} times as many) with an error {verdict(one.errors, _LARGE)} its "
+                f"({range_text(one.errors)} times as large)"
+            )
+    more = len(senders) - _MOST_SENDERS
+    rest = f" The table has {more} more senders of models." if more > 0 else ""
+    if not said:
+        return f"{', '.join(senders[:_MOST_SENDERS])}: no rival was run beside them.{rest}"
+    return f"Over all densities and radios, by the 90th percentile: {'; '.join(said)}.{rest}"
+
+
+def _not_found(pairs: Sequence[_Beside], senders: Sequence[str]) -> str:
+    lines: list[str] = []
+    for sender in senders[:_MOST_SENDERS]:
+        free = next((one for one in pairs if one.sender == sender and one.is_free), None)
+        if free is None:
+            lines.append(f"{sender} was not held against a free receiver by the same rules")
+            continue
+        cases = len(free.errors)
+        worse = share_text(sum(ratio > 1.0 for ratio in free.errors), cases)
+        text = f"the error of {sender} was larger than {free.rival}'s in {worse}"
+        if free.alike is not None:
+            text += f", and intervals over the seeds overlap in {share_text(free.alike, cases)}"
+        lines.append(text)
+    return f"Of the cases (densities and radios), {'; '.join(lines)}." + (
+        " One seed has no interval that tells this from chance."
+        if any(one.is_free and one.alike is None for one in pairs)
+        else ""
+    )
+
+
+_SUMO = "sumo"
+_RECORDED = ("platoon", "trips")
+
+
+def _data(result: NetworkResult, options: Mapping[str, Any]) -> str:
+    """Which traffic, for how long, and how often."""
+    scenario = str(options.get("scenario", ""))
+    seeds = max((row.seeds for row in result.pooled), default=0)
+    if scenario in _RECORDED:
+        origin = f"recorded trips ({', '.join(options.get('trips', ()))})"
+    elif scenario.startswith(_SUMO) or "." in scenario:
+        origin = "simulated or read from a file, not generated here"
+    else:
+        origin = "generated by a program, not recorded"
+    length = f", {options['duration_s']:g} s each" if "duration_s" in options else ""
+    return f"traffic {scenario}, {origin}; {seeds} {'seed' if seeds == 1 else 'seeds'}{length}."
