@@ -46,6 +46,15 @@ RUNS = "runs"
 QUICK = "seconds"
 KEPT = Path(__file__).with_name("loose_numbers.toml")
 UNREAD = "unread"
+FRONT = (
+    "README.md",
+    "docs/index.md",
+    "docs/results-in-short.md",
+    "docs/explanation/",
+    "docs/how-to/",
+    "docs/tutorial/",
+)
+"""Pages on which ratios count too."""
 RECORDS = ("docs/decisions/", "docs/plugins-tried.md")
 
 
@@ -139,7 +148,10 @@ def loose_in_pages() -> dict[str, list[Number]]:
     )
     return {
         page: loose_numbers(
-            (ROOT / page).read_text(encoding="utf-8"), sorted(scripts.get(page, ())), said.get(page, ())
+            (ROOT / page).read_text(encoding="utf-8"),
+            sorted(scripts.get(page, ())),
+            said.get(page, ()),
+            decimals=page.startswith(FRONT),
         )
         for page in sorted(read)
     }

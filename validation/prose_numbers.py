@@ -1,6 +1,7 @@
 """Numbers in the prose of a page, and which of them nothing on the page accounts for.
 
-A number with a unit counts: ``42 %``, ``1.58 m``, ``3 times``. It is accounted for where
+A number with a unit counts: ``42 %``, ``1.58 m``, ``3 times``; on some pages also one with a decimal point.
+It is accounted for where
 
 - a block of the page has the same digits, so that a table that is made anew and prose that was not differ;
   under a mark ``<!-- from NAME, NAME -->`` the block must be one of these; or
@@ -48,6 +49,7 @@ _UNIT = "(?:" + "|".join(unit if unit == "%" else rf"{unit}\b" for unit in UNITS
 _NUMBER = re.compile(
     rf"(?<![\w.,/-])(\d{{1,3}}(?:,\d{{3}})+|\d+(?:\.\d+)?)(?: to \d+(?:\.\d+)?)?[ \u00a0]{_UNIT}"
 )
+_DECIMAL = re.compile(rf"{_NUMBER.pattern}|(?<![\w.,/-])\d+\.\d+(?![\w.])")
 _SMALL = {unit if unit == "%" else f" {unit}": UNITS[unit] for unit in ("%", "cm", "ms", "µs", "km")}
 """Units in which prose states what settings have in metres, seconds or as a ratio."""
 _DIGITS = re.compile(r"\d{1,3}(?:,\d{3})+|\d+(?:\.\d+)?")
@@ -81,7 +83,9 @@ def _plain(digits: str) -> str:
     return f"{float(digits.replace(',', '')):.10g}"
 
 
-def loose_numbers(text: str, scripts: Sequence[str], sourced: Sequence[str] = ()) -> list[Number]:
+def loose_numbers(
+    text: str, scripts: Sequence[str], sourced: Sequence[str] = (), *, decimals: bool = False
+) -> list[Number]:
     r"""Return the numbers in a page's prose that nothing accounts for.
 
     Parameters
@@ -92,6 +96,8 @@ def loose_numbers(text: str, scripts: Sequence[str], sourced: Sequence[str] = ()
         Texts of the scripts that make its blocks.
     sourced
         Words of the page whose numbers have a source of their own.
+    decimals
+        Whether numbers with a decimal point count without a unit too: ratios.
 
     Examples
     --------
@@ -116,7 +122,9 @@ def loose_numbers(text: str, scripts: Sequence[str], sourced: Sequence[str] = ()
         elif not line.strip():  # a mark is good for its paragraph
             known = anywhere
         if kind == "prose":
-            for one in _NUMBER.finditer(_HIDDEN.sub(lambda hidden: " " * len(hidden[0]), line)):
+            for one in (_DECIMAL if decimals else _NUMBER).finditer(
+                _HIDDEN.sub(lambda hidden: " " * len(hidden[0]), line)
+            ):
                 within = any(begin <= start + one.start() < end for begin, end in spans)
                 if not within and not _accounted(one[0], known, settings):
                     found.append(Number(at, one[0]))

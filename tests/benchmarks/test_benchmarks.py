@@ -13,6 +13,7 @@ import machine as machines
 from measured import VARIABLE, record
 from page_blocks import blocks_in
 from performance_page import PAGE, blocks
+from quoted_results import QUOTED, quoted
 from registry import BENCHMARKS, PARTS, STUDIES, Benchmark
 from run_all import RESULTS, chosen, left_out, merged, read_results, table
 
@@ -48,6 +49,21 @@ def test_every_result_is_of_a_benchmark_and_says_on_what_it_was_made() -> None:
 def test_the_page_has_what_the_results_give() -> None:
     wanted = {name: "\n".join(lines).strip().splitlines() for name, lines in blocks(KEPT).items()}
     assert blocks_in(PAGE.read_text(encoding="utf-8")) == wanted
+
+
+def test_pages_that_quote_results_have_what_the_results_give() -> None:
+    for page, own in quoted(KEPT).items():
+        there = blocks_in(page.read_text(encoding="utf-8"))
+        for name, lines in own.items():
+            assert there[name] == "\n".join(lines).strip().splitlines(), (page.name, name)
+
+
+def test_a_table_of_what_was_not_kept_names_the_command_that_keeps_it() -> None:
+    found = quoted({})
+    for page, own in QUOTED.items():
+        for name, benchmarks in own.items():
+            (line,) = found[ROOT / page][name]
+            assert all(f"--only {one}" in line for one in benchmarks)
 
 
 def test_no_result_names_the_host() -> None:

@@ -61,6 +61,7 @@ def test_cruise_writes_table_document_and_figure_and_repeats_itself(
     assert len((tmp_path / "one" / "table.md").read_text().splitlines()) == 2 + len(found)
 
 
+@pytest.mark.slow
 def test_cruise_follows_a_recorded_leader(tmp_path: Path, trip_csv: Path) -> None:
     words = arguments(tmp_path / "out", leader=str(trip_csv), law="ploeg", loss="0", policy="free")
     assert run([*words, "--no-ranging", "--quiet"]) == 0

@@ -45,6 +45,7 @@ def test_all_policies_and_radios_meet_the_same_true_warnings(network: Path) -> N
     assert len(next(iter(by_case.values()))) >= 10
 
 
+@pytest.mark.slow
 def test_ten_messages_a_second_without_losses_miss_least(network: Path) -> None:
     found = {(row["radio"], row["policy"]): row for row in pooled(network)}
     floor = found["ideal", "bsm-10hz"]
@@ -55,6 +56,7 @@ def test_ten_messages_a_second_without_losses_miss_least(network: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_totals_hosts_and_events_are_the_same_counts(network: Path) -> None:
     totals = pq.read_table(network / "warnings.parquet").to_pylist()
     assert len(totals) == 2 * 2 * 2

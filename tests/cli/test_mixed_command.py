@@ -53,6 +53,7 @@ def test_groups_are_parts_of_the_run(folder: Path) -> None:
         assert min(own) <= whole <= max(own)
 
 
+@pytest.mark.slow
 def test_the_corners_of_the_map_are_pairings(folder: Path) -> None:
     pairings = {
         (row["senders_ratio"], row["run"], row["sender"], row["reading"]): row

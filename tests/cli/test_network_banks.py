@@ -79,6 +79,7 @@ def test_the_bank_is_a_column_of_every_table(folder: Path, summary: dict[str, An
     assert sorted(pooled) == [(*sender, 2) for sender in SENDERS]
 
 
+@pytest.mark.slow
 def test_each_bank_follows_its_own_rules_on_both_radios(summary: dict[str, Any]) -> None:
     """The paper's bank identifies on 802.11p and mode 4; the shipped one and timers never do."""
     profile = default_profile()

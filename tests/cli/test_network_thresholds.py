@@ -48,6 +48,7 @@ def test_a_threshold_that_is_wider_calls_for_fewer_messages_of_the_same_traffic(
         assert narrow["message_rate_hz"] > 1.2 * wide["message_rate_hz"]
 
 
+@pytest.mark.slow
 def test_the_threshold_is_a_column_of_every_table(folder: Path, summary: dict[str, Any]) -> None:
     for name in ("runs", "distances", "outcomes", "seconds"):
         rows = pq.read_table(folder / f"{name}.parquet", columns=["policy", "threshold_m"]).to_pylist()

@@ -47,6 +47,7 @@ def test_the_hybrid_identifies_and_the_baseline_cannot(traffic: Traffic) -> None
     assert any(row.hybrid > 0.0 for row in traffic[1].rows if row.figure == "identification_rate_hz")
 
 
+@pytest.mark.slow
 def test_pairs_meet_the_same_traffic(traffic: Traffic) -> None:
     by_seed: dict[tuple[str, int], set[float]] = {}
     for row in traffic[1].network.runs:
@@ -54,6 +55,7 @@ def test_pairs_meet_the_same_traffic(traffic: Traffic) -> None:
     assert all(len(vehicles) == 1 for vehicles in by_seed.values())
 
 
+@pytest.mark.slow
 def test_verdicts_and_figures_are_written(traffic: Traffic) -> None:
     names = {path.name for path in traffic[0].iterdir()}
     assert {"traffic.md", "traffic.html", "traffic.parquet", "runs", "summary.json", "report.html"} <= names

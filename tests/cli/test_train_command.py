@@ -53,6 +53,7 @@ def test_the_same_trips_and_options_give_the_same_bytes_and_the_record_is_shown(
     assert read_profile(profile).identity in shown.replace("\n", "")
 
 
+@pytest.mark.slow
 def test_an_evaluation_takes_bank_and_rules_from_the_file(
     drives: Path, profile: Path, tmp_path: Path
 ) -> None:

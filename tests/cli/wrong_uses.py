@@ -378,7 +378,7 @@ GROUPS: Mapping[str, tuple[WrongUse, ...]] = {
         _use("A folder that is not there", "convert good.csv --out gone/good.csv", "gone", remedy="make it"),
         _use("No output at all", "convert good.csv", "--out", remedy="modelcast convert --help"),
         _use(
-            "A disk that is full, here for files over 1 kB",
+            "A disk that is full, here by a limit on the size of files",
             "convert good.csv --out large.csv",
             "--out large.csv cannot be written",
             remedy="Make room there",

@@ -25,7 +25,8 @@ from modelcast.corpora.sources import find_sources
 from modelcast.io.comparison import comparison_document
 from modelcast.io.write_trips import write_parquet
 from modelcast.station.banks import BASELINE_BANK, named_bank
-from modelcast.study.compare.candidate import FixedCandidate, TrainedCandidate
+from modelcast.study.compare.candidate import AbstractCandidate, FixedCandidate, TrainedCandidate
+from modelcast.study.compare.free import with_free
 from modelcast.study.compare.run import compare
 from modelcast.study.compare.settings import CompareSettings
 from modelcast.study.settings import EvaluationSettings
@@ -45,8 +46,11 @@ WORDS = (
     "50",
     "--quiet",
 )
-CANDIDATES = (FixedCandidate("cv", BASELINE_BANK), FixedCandidate("paper", named_bank("paper").bank))
 SETTINGS = CompareSettings(EvaluationSettings((0.3, 0.5), ()), route_by="trip", resamples=50)
+CANDIDATES = with_free(
+    (FixedCandidate("cv", BASELINE_BANK), FixedCandidate("paper", named_bank("paper").bank)),
+    SETTINGS.evaluation,
+)
 SHORT = "d/0"
 
 
@@ -87,7 +91,7 @@ def test_it_is_the_comparison_of_all_trips_together(
     found = pool_comparison(outcome, job, failures={}, skipped={})
     assert comparison_document(found) == comparison_document(wanted)
     assert found.counts == wanted.counts
-    assert found.failures == {SHORT: "its longest part has 2 samples, a window needs 10: record longer"}
+    assert found.failures == {SHORT: "its longest part has 2 samples, a window needs 13: record longer"}
     assert len(corpus.partitions) == 1 or partitions > 1
 
 
@@ -132,7 +136,7 @@ def test_what_is_not_shared_says_so_in_one_line_and_is_done(
     ],
 )
 def test_what_needs_all_trips_is_told(
-    candidates: tuple[FixedCandidate, ...], settings: CompareSettings, reason: str
+    candidates: tuple[AbstractCandidate, ...], settings: CompareSettings, reason: str
 ) -> None:
     assert why_not_shared(CANDIDATES, SETTINGS) is None
     assert reason in (why_not_shared(candidates, settings) or "")
@@ -178,6 +182,7 @@ sys.exit(app.run(sys.argv[1:]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
 def test_an_interrupt_ends_with_130_and_one_line_and_the_next_run_goes_on(
     made: Callable[[int], Corpus], tmp_path: Path

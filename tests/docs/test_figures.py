@@ -121,6 +121,13 @@ def test_settings_are_those_of_the_script_in_any_unit_of_length() -> None:
     assert [one.text for one in loose_numbers(page, ["nothing is said here"])] == ["20 cm", "1,200 m"]
 
 
+def test_ratios_count_where_decimals_do() -> None:
+    page = "It needs 0.67 of the messages.\n"
+    assert loose_numbers(page, []) == []
+    assert [one.text for one in loose_numbers(page, [], decimals=True)] == ["0.67"]
+    assert loose_numbers(page, [], ["needs 0.67 of"], decimals=True) == []
+
+
 def test_a_mark_that_names_no_block_is_an_error() -> None:
     with pytest.raises(ValueError, match="no block gone"):
         loose_numbers("<!-- from gone -->\nIt is 3 %.\n", [])

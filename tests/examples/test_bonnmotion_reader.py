@@ -1,6 +1,7 @@
 """The example of a reader: installed as a package, every command reads its files."""
 
 import numpy as np
+import pytest
 
 
 def trace(steps: int = 60) -> str:
@@ -40,6 +41,7 @@ def test_the_commands_read_it_and_tell_who_gave_no_trip(python_with, tmp_path):
     assert "no trip from walk/3: no usable row" in told
 
 
+@pytest.mark.slow
 def test_what_is_wrong_is_told_with_its_line(python_with, tmp_path):
     for number, (line, told) in enumerate(
         [

@@ -181,6 +181,7 @@ def test_a_profile_without_the_package_is_refused_with_its_name(
     assert "'modelcast-chord', version '0.1.0', and no installed package registers it" in told
 
 
+@pytest.mark.slow
 def test_a_profile_of_another_version_or_package_is_told(
     profile: Path, python_with: Run, tmp_path: Path
 ) -> None:

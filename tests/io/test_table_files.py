@@ -166,10 +166,11 @@ GOLDEN = {
         TRACKING_RATIOS,
         (
             "candidate protocol trip threshold_m packet_error_ratio rate_basis message_rate_hz "
-            "matched_rate_hz "
-            "periodic_rate_hz p90_m matched_p90_m periodic_p90_m p90_ratio p90_low p90_high p99_m "
-            "matched_p99_m "
-            "periodic_p99_m p99_ratio p99_low p99_high"
+            "matched_rate_hz periodic_rate_hz baseline_rate_hz free_rate_hz free_matched_rate_hz "
+            "p90_m matched_p90_m periodic_p90_m p90_ratio p90_low p90_high baseline_p90_m "
+            "free_p90_m free_matched_p90_m p90_over_free p90_over_free_low p90_over_free_high "
+            "p99_m matched_p99_m periodic_p99_m p99_ratio p99_low p99_high baseline_p99_m "
+            "free_p99_m free_matched_p99_m p99_over_free p99_over_free_low p99_over_free_high"
         ),
     ),
     "coverage": (COVERAGE, "sub_model form horizon_s level covered_ratio errors"),

@@ -26,9 +26,10 @@ from modelcast.report.figures import (
 )
 from modelcast.report.figures.coverage import plot_coverage, plot_times
 from modelcast.report.figures.files import ENDINGS
+from modelcast.report.figures.senders import sender_look
 from modelcast.report.figures.trips import MOST_ROWS
 from modelcast.report.headline import SAME_RATE, SAME_THRESHOLD
-from modelcast.report.style import POLICY_COLOURS, model_colours, style
+from modelcast.report.style import POLICY_COLOURS, POLICY_LINES, POLICY_MARKERS, model_colours, style
 from modelcast.study.coverage import COVERAGE, FORMS, TIMES
 from modelcast.study.result import RATES, REFERENCES, TRACKING, EvaluationResult
 from modelcast.study.table import Table, TableSchema
@@ -301,8 +302,12 @@ def crossing(figure: Figure) -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"thresholds": (0.5,)}, {"thresholds": tuple(k / 10 for k in range(1, 8))}, {"trips": ("only/1",)}],
-    ids=["four thresholds", "one", "seven", "one trip"],
+    [
+        pytest.param({}, id="four thresholds"),
+        pytest.param({"thresholds": (0.5,)}, id="one", marks=pytest.mark.slow),
+        pytest.param({"thresholds": tuple(k / 10 for k in range(1, 8))}, id="seven", marks=pytest.mark.slow),
+        pytest.param({"trips": ("only/1",)}, id="one trip"),
+    ],
 )
 def test_no_two_texts_of_a_figure_cross(make_result: Make, options: dict[str, object]) -> None:
     result = with_references(make_result(**options), 9.0)
@@ -462,3 +467,21 @@ def test_legends_name_the_policy_that_decides(make_result: Make) -> None:
         assert other == [name.replace("MBC", "soon:ahead_s=$1$") for name in names]
         assert [len(axes.lines) for axes in theirs.axes] == [len(axes.lines) for axes in ours.axes]
         assert [len(axes.patches) for axes in theirs.axes] == [len(axes.patches) for axes in ours.axes]
+
+
+def test_the_free_receiver_has_one_colour_in_both_readings_and_in_fleets(make_result: Make) -> None:
+    """So trips are named by who they are of: a colour alone would name one of the two."""
+    assert POLICY_COLOURS["free"] == POLICY_COLOURS["free-matched"] == sender_look("free")[0]
+    assert POLICY_LINES["free"] != POLICY_LINES["free-matched"]
+    assert POLICY_MARKERS["free"] != POLICY_MARKERS["free-matched"]
+    figure = plot_trips(make_result(trips=("a/1", "b/1"), ratios=(0.4,)))
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names.count("Free receiver, same threshold") == 1
+    assert names.count("Free receiver, at MBC's total rate") == 1
+
+
+def test_captions_say_what_the_sub_models_shown_are(make_result: Make) -> None:
+    told = captions(make_result())
+    assert told["sub_models"].endswith("Sub-models: cv: constant velocity.")
+    assert "Sub-models: " not in captions(replace(make_result(), timeline=None))["sub_models"]
+    assert "Sub-models: " not in told["tracking_loss"]

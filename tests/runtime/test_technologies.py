@@ -186,6 +186,7 @@ def test_every_technology_brings_every_message_to_all_others(drives: dict[str, D
         )
 
 
+@pytest.mark.slow
 def test_hosts_that_heard_the_same_believe_the_same(drives: dict[str, Drive]) -> None:
     virtual = drives["virtual"]
     for name in RADIOS:

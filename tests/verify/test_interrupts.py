@@ -91,7 +91,7 @@ REPORT = "writing the report"
 LATEST = 1500
 """Calls of functions that are waited for at most."""
 
-ENDS_S = 240.0
+ENDS_S = 600.0
 
 HAS_CLUSTER = find_spec("distributed") is not None
 HAS_JAX = find_spec("jax") is not None

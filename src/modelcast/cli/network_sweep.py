@@ -10,11 +10,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from modelcast.cli.fleet_options import FleetOptions
 from modelcast.cli.network_case import TraceFiles, run_case
 from modelcast.cli.network_cases import told
 from modelcast.cli.network_film import find_meeting, write_film
 from modelcast.cli.network_plan import NetworkPlan
 from modelcast.cli.network_senders import named_banks
+from modelcast.cli.options import SensorOptions
 from modelcast.cli.progress import busy
 from modelcast.cli.shared_work import workers
 from modelcast.core.exceptions import ConfigError
@@ -148,7 +150,9 @@ def sweep(
         with busy("writing the report", quiet=False):
             store.publish(results, folder)
             write_network(result, options, folder, key=key, traffic=traffic, training_trips=known)
-            write_network_report(result, options, folder, traffic=traffic, notes=notes)
+            write_network_report(
+                result, options, folder, traffic=traffic, notes=notes, defaults=_defaults(plan)
+            )
             if meeting is not None:
                 write_film(plan, cases[0], meeting, folder)
             rows = traffic_rows(result)
@@ -156,6 +160,12 @@ def sweep(
                 write_traffic(rows, folder)
                 write_traffic_report(rows, folder)
     return Swept(result, rows, options=options, key=key, traffic=traffic, training_trips=known)
+
+
+def _defaults(plan: NetworkPlan) -> dict[str, Any]:
+    """What every run of such banks and thresholds depends on where nobody asks for anything."""
+    asked = FleetOptions().plan(SensorOptions(), banks=plan.banks, thresholds_m=plan.thresholds_m)
+    return asked.as_plain()
 
 
 def _training_trips(plan: NetworkPlan) -> tuple[tuple[str, ...], list[str]]:

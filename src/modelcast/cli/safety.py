@@ -132,7 +132,14 @@ def safety(
         )
         with busy("writing the report", quiet=quiet):
             write_safety(found, folder)
-            write_safety_report(found, folder, training_trips=known, trips=len(trips), beside=beside)
+            write_safety_report(
+                found,
+                folder,
+                training_trips=known,
+                trips=len(trips),
+                beside=beside,
+                defaults=SafetyOptions().as_plain(),
+            )
     if json:
         say_json(safety_document(found))
     elif not quiet:

@@ -201,6 +201,7 @@ def write_network_report(
     *,
     traffic: Mapping[str, Any] | None = None,
     notes: Sequence[str] = (),
+    defaults: Mapping[str, Any] | None = None,
 ) -> list[Path]:
     """Write ``table.md``, ``report.html`` and the figures as PNG and SVG; return their paths.
 
@@ -216,6 +217,8 @@ def write_network_report(
         An existing folder.
     traffic, notes
         As for `network_markdown`.
+    defaults
+        As for `settings_section`.
     """
     if result.pairings:
         (Path(folder) / "pairings.md").write_text(mixed_markdown(result), encoding="utf-8", newline="\n")
@@ -247,7 +250,7 @@ def write_network_report(
     if traffic is not None:
         lines = "".join(f"<li>{escape(line.strip())}</li>" for line in _traffic_lines(traffic))
         body.append(f"<h2>Traffic</h2><ul>{lines}</ul>")
-    body += ["<h2>Options</h2>", settings_section(options)]
+    body += ["<h2>Options</h2>", settings_section(options, defaults)]
     texts = {
         "table.md": network_markdown(result, traffic, notes, options),
         "report.html": page("modelcast: fleets on a shared channel", CSS, body),

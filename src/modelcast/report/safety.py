@@ -1,7 +1,8 @@
 """An evaluation of a safety application in the terminal, as Markdown and as a page."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Group, RenderableType
 
@@ -21,6 +22,8 @@ from modelcast.report.training_trips import training_note
 from modelcast.report.warning_texts import ENOUGH, late_text, over_text, percent_text, plain_text
 from modelcast.study.rules import FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.safety.result import SafetyResult, kind_of
+from modelcast.study.safety.settings import SafetySettings
+from modelcast.study.settings import EvaluationSettings
 from modelcast.study.table import Row
 
 __all__ = ["safety_console", "safety_headline", "safety_markdown", "write_safety_report"]
@@ -75,6 +78,8 @@ def safety_headline(result: SafetyResult) -> list[str]:
         for row in own:
             at = shown[kind_of(row)]
             if row.packet_error_ratio != at or row.candidate == against:
+                continue
+            if reading != basis and row.candidate != budget:  # the table has the others
                 continue
             equal = (
                 f"at the same threshold ({row.message_rate_hz:.2f} messages a second)"
@@ -166,6 +171,7 @@ def write_safety_report(
     training_trips: Sequence[str],
     trips: int,
     beside: Sequence[Path] = (),
+    defaults: Mapping[str, Any] | None = None,
 ) -> list[Path]:
     """Write ``table.md``, ``report.html`` and the figures; return their paths.
 
@@ -179,6 +185,8 @@ def write_safety_report(
         Trips that a bank was trained on, and how many there were.
     beside
         Output folders of other commands whose figures are shown too.
+    defaults
+        As for `settings_section`; those of `SafetySettings` where None.
     """
     with style():
         shown = {name: (caption, plot(result)) for name, (caption, plot) in SAFETY_FIGURES.items()}
@@ -198,9 +206,10 @@ def write_safety_report(
     if result.failures or result.skipped:
         left_out = [*result.failures.items(), *result.skipped.items()]
         body += ["<h2>Left out</h2>", Cells(["what", "why"], left_out).html()]
+    usual = SafetySettings(EvaluationSettings(protocol="sensor")).as_plain() if defaults is None else defaults
     body += [
         "<h2>Options</h2>",
-        settings_section(result.settings),
+        settings_section(result.settings, usual),
     ]
     html = page("modelcast: warnings from messages", CSS, body)
     return write_report_files({"table.md": safety_markdown(result), "report.html": html}, drawings, folder)

@@ -34,6 +34,19 @@ _UNITS: Mapping[str, tuple[str, float]] = {
 }
 """Unit and factor by the last part of a name."""
 
+_UNIT_OF = {
+    "burst": "s",
+    "delay": "s",
+    "expiry": "s",
+    "keep_alive": "s",
+    "later": "m",
+    "legacy_threshold": "m",
+    "near": "m",
+    "per": "ratio",
+    "threshold": "m",
+}
+"""Unit of options of the command line, whose names do not say it."""
+
 _NAMES_OF = {"sub_models": "sub_model_names", "free": "free_names"}
 """Which setting holds the names of another's sub-models."""
 
@@ -85,6 +98,8 @@ def setting_rows(settings: Mapping[str, Any]) -> list[list[str]]:
     [['seed', '0'], ['sensor: heading noise', '0.2°'], ['sensor: latency', '0.1 s']]
     >>> setting_rows({"thresholds_m": [0.2, 0.5], "policy": "Above(limit_m=0.5, gain=2.0)", "cost": None})
     [['thresholds', '20, 50 cm'], ['policy', 'above: limit 0.5 m, gain 2']]
+    >>> setting_rows({"keep_alive": 2.0, "per": [0.0, 0.4]})
+    [['keep alive', '2 s'], ['per', '0, 40 %']]
     """
     rows = [[_words(name), _text(name, value)] for name, value in _flat(settings)]
     return [row for row in rows if row[1]]
@@ -105,7 +120,9 @@ def _flat(settings: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, 
 
 
 def _unit_of(name: str) -> str:
-    """The last part of a name where that is a unit; else nothing."""
+    """The last part of a name where that is a unit, or what the option is in; else nothing."""
+    if name in _UNIT_OF:
+        return _UNIT_OF[name]
     last = name.rpartition("_")[2]
     return last if last in _UNITS and last != name else ""
 
