@@ -1,6 +1,7 @@
-"""What all tests share beside fixtures: which modules have examples, where JAX keeps what it compiled."""
+"""What all tests share beside fixtures: which modules have examples, what JAX compiled, Ctrl-C."""
 
 import os
+import signal
 from collections.abc import Generator
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,12 @@ from _pytest.doctest import DoctestModule
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let JAX keep what it compiled: a network trained a second time is else compiled a second time."""
+    """Let JAX keep what it compiled, and hear Ctrl-C, which the background jobs of a shell do not.
+
+    A network trained a second time is else compiled a second time.
+    """
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     kept = getattr(config, "cache", None)  # none where pytest is told to keep nothing
     if kept is not None:
         os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(kept.mkdir("jax")))

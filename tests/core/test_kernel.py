@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import inspect
 import multiprocessing
 import os
 import pickle
@@ -157,6 +158,27 @@ def test_no_kernel_raises_but_those_that_call_python() -> None:
             ):
                 raised = [one for one in ast.walk(node) if isinstance(one, ast.Raise | ast.Assert)]
                 assert not raised, f"{path.name}:{node.name}"
+
+
+def test_a_kernel_that_borrows_arrays_calls_none_of_their_methods() -> None:
+    """Numba compiles such a method with the flags of who is first to call it, and some cannot do with these.
+
+    Whether another kernel was first depends on what is in the cache.
+    """
+    for path in sorted(SOURCE.rglob("*_kernels.py")):
+        module = importlib.import_module(
+            ".".join(("modelcast", *path.relative_to(SOURCE).with_suffix("").parts))
+        )
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.FunctionDef):
+                continue
+            if not any("inlined=True" in ast.unparse(one) for one in node.decorator_list):
+                continue
+            for call in ast.walk(node):
+                if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute):
+                    owner = getattr(module, ast.unparse(call.func.value), None)
+                    of_number = call.func.attr == "view"  # the bits of a number
+                    assert inspect.ismodule(owner) or of_number, f"{path.name}: {ast.unparse(call)}"
 
 
 # --- kept code, in processes of its own ---------------------------------------------------------------------

@@ -44,6 +44,7 @@ def press():
     sys.setprofile(None)
     if not pressed:
         pressed = True
+        os.write(2, b"pressed ")
         if number == signal.SIGINT:
             os.killpg(0, number)  # a terminal sends it to all
         else:
@@ -92,6 +93,8 @@ LATEST = 1500
 """Calls of functions that are waited for at most."""
 
 ENDS_S = 600.0
+
+OTHER_PATHS = [path for path in os.environ.get("PYTHONPATH", "").split(os.pathsep) if path]
 
 HAS_CLUSTER = find_spec("distributed") is not None
 HAS_JAX = find_spec("jax") is not None
@@ -162,7 +165,7 @@ def _started(tmp_path: Path, drives: Path) -> Iterator[Started]:
     def start(*words: str, cold: bool) -> "subprocess.Popen[bytes]":
         known = {
             **os.environ,
-            "PYTHONPATH": str(Path(modelcast.__file__).parent.parent),
+            "PYTHONPATH": os.pathsep.join([str(Path(modelcast.__file__).parent.parent), *OTHER_PATHS]),
             "MODELCAST_PROGRESS": "bars",
             "TERM": "xterm",
         }
@@ -199,6 +202,19 @@ def left_behind(group: int) -> list[int]:
                     found.append(int(stat.parent.name))
                 os.close(ends)
     return found
+
+
+def read_until(sign: bytes, process: "subprocess.Popen[bytes]") -> None:
+    """Wait until a command has said something."""
+    both = [stream for stream in (process.stdout, process.stderr) if stream is not None]
+    got = b""
+    while sign not in got:
+        ready, _, _ = select.select(both, [], [], ENDS_S)
+        assert ready, got
+        for stream in ready:
+            data = os.read(stream.fileno(), 65536)
+            assert data, got
+            got += data
 
 
 def require_order(process: "subprocess.Popen[bytes]", key: signal.Signals, place: Path) -> None:
@@ -258,13 +274,7 @@ def test_what_runs_on_ends_by_a_key_and_a_service_well_by_sigterm(
 ) -> None:
     line, sign, cold = SERVICES[name]
     process = started("-u", "-m", "modelcast", *line.split(), cold=cold)
-    both = [stream for stream in (process.stdout, process.stderr) if stream is not None]
-    got = b""
-    while sign not in got:
-        for stream in select.select(both, [], [], ENDS_S)[0]:
-            data = os.read(stream.fileno(), 65536)
-            assert data, got
-            got += data
+    read_until(sign, process)
     process.send_signal(key)
     if key == signal.SIGTERM and name in {"node", "node with a page", "serve", "demo-live"}:
         _, err = process.communicate(timeout=ENDS_S)
@@ -280,10 +290,12 @@ def test_a_second_key_ends_everything_at_once(started: Started) -> None:
     """Whoever is in a hurry presses again: the code is the same, and nobody is left."""
     words = [*CASES["network"][0].split(), *ROAD]
     process = started("-c", PROGRAM, COLD, "100", str(int(signal.SIGINT)), *words, cold=True)
+    read_until(b"pressed", process)
     while process.poll() is None:
-        try:
+        # What comes at once after the first is the same key press, delivered twice.
+        with suppress(subprocess.TimeoutExpired):
             process.wait(0.5)
-        except subprocess.TimeoutExpired:
+        with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=ENDS_S)
     # Where the interpreter is about to leave, the system ends it: a shell says 130 of that too.

@@ -125,7 +125,10 @@ def _look_up(
     """Renew the pairs of a sender one by one, wherever they are kept; return whether there was room."""
     held = pairs.held
     east, north = position_m[v, 0], position_m[v, 1]
-    left, right, row_from, row_to = cell_span(cells, east, north, np.sqrt(reach_m2.max()))
+    farthest_m2 = reach_m2[0]
+    for k in range(1, reach_m2.size):
+        farthest_m2 = max(farthest_m2, reach_m2[k])
+    left, right, row_from, row_to = cell_span(cells, east, north, np.sqrt(farthest_m2))
     for row in range(row_from, row_to + 1):
         low, high = row_span(cells, row, left, right)
         start = rows.start[rows.first[v] + row]
