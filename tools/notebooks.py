@@ -1,21 +1,25 @@
 """Execute the notebooks of `examples`, and keep what they print and draw, or hold it against what is kept.
 
 ``python tools/notebooks.py`` writes; ``--check`` compares the printed text and the number of figures, and
-ends with 1 where they differ. Notebooks that are kept without outputs (`corpus`, `jax_sub_model`) have tests
-of their own.
+ends with 1 where they differ. Pictures are kept in few colours: a third of the octets, the same lines.
+Notebooks that are kept without outputs (`corpus`, `jax_sub_model`) have tests of their own.
 """
 
 import argparse
+import base64
 import os
 import sys
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import nbformat
+import numpy as np
 from nbclient import NotebookClient
+from PIL import Image
 
-__all__ = ["NOTEBOOKS", "execute", "main", "printed"]
+__all__ = ["NOTEBOOKS", "execute", "in_few_colours", "main", "printed"]
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 NOTEBOOKS = ("trips", "own_sub_model", "network", "safety", "live_map")
@@ -23,6 +27,12 @@ NOTEBOOKS = ("trips", "own_sub_model", "network", "safety", "live_map")
 
 SECONDS = 900
 """A cell that takes longer is stopped."""
+
+COLOURS = 48
+"""Of a drawing: those of lines, areas and letters are kept as they are, the shades at their edges are not."""
+
+MOST_COLOURS = 20_000
+"""A picture of more is no drawing, and is kept as it is."""
 
 
 def execute(name: str) -> nbformat.NotebookNode:
@@ -56,8 +66,35 @@ def _is_shown(output: nbformat.NotebookNode) -> bool:
 def _kept(output: nbformat.NotebookNode) -> nbformat.NotebookNode:
     """Of a figure the picture, of anything else all."""
     if "image/png" in output.get("data", {}):
-        output["data"] = {"image/png": output["data"]["image/png"]}
+        octets = in_few_colours(base64.b64decode(output["data"]["image/png"]))
+        output["data"] = {"image/png": base64.b64encode(octets).decode()}
     return output
+
+
+def in_few_colours(png: bytes) -> bytes:
+    """Return a drawing with its `COLOURS` most frequent colours, the others the nearest of these.
+
+    Parameters
+    ----------
+    png
+        A PNG; where it can be looked through, it is laid on white.
+    """
+    drawn = Image.open(BytesIO(png)).convert("RGBA")
+    white = Image.new("RGBA", drawn.size, "white")
+    pixels = np.asarray(Image.alpha_composite(white, drawn).convert("RGB"))
+    colours, number, counts = np.unique(
+        pixels.reshape(-1, 3), axis=0, return_inverse=True, return_counts=True
+    )
+    if len(colours) > MOST_COLOURS:
+        return png
+    kept = colours[np.sort(np.argsort(-counts, kind="stable")[:COLOURS])]
+    apart = ((colours[:, None, :].astype(int) - kept[None].astype(int)) ** 2).sum(axis=2)
+    nearest = apart.argmin(axis=1).astype(np.uint8)
+    small = Image.fromarray(nearest[number.reshape(pixels.shape[:2])])
+    small.putpalette(kept.tobytes())
+    written = BytesIO()
+    small.save(written, "PNG", optimize=True)
+    return written.getvalue()
 
 
 def printed(book: nbformat.NotebookNode) -> list[list[str]]:

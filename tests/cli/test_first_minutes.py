@@ -11,12 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from modelcast.cli import installation, kernel_cache
+from modelcast.cli import diagnosis, installation, kernel_cache
 from modelcast.cli.app import BROKEN_PIPE, run
 from modelcast.cli.command_list import COMMANDS
 from modelcast.cli.signals import INTERRUPTED
 from modelcast.core.exceptions import MissingExtraError
 from modelcast.core.extras import EXTRAS
+from modelcast.core.version import package_version
 from modelcast.io.csv import CsvReader
 from modelcast.trips.trajectory import Trajectory
 
@@ -187,6 +188,8 @@ def test_doctor_finds_this_installation_well(
 ) -> None:
     monkeypatch.delenv("MODELCAST_DATA", raising=False)
     monkeypatch.delenv("MODELCAST_REFERENCE", raising=False)
+    # A checkout may have a newer version than what was installed of it: that is for the next test.
+    monkeypatch.setattr(diagnosis, "checkout", lambda: None)
     assert run(["doctor", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["problems"] == []
@@ -196,6 +199,29 @@ def test_doctor_finds_this_installation_well(
     shown = capsys.readouterr().out
     for word in ("Python", "numba", "cores", "cache", "extra sumo", "all is well"):
         assert word in shown
+
+
+def test_a_checkout_newer_than_what_was_installed_of_it_is_told_with_what_to_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """By doctor and by --version; a package that is in no checkout has but the installed version."""
+    package = tmp_path / "src" / "modelcast"
+    package.mkdir(parents=True)
+    assert installation.checkout(package) is None
+    (tmp_path / "pyproject.toml").write_text('[project]\nname = "modelcast"\nversion = "7.1"\n')
+    assert installation.checkout(package) == tmp_path
+    assert installation.source_version(tmp_path) == "7.1"
+    monkeypatch.setattr(installation, "checkout", lambda: tmp_path)
+    assert run(["--version"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert said.startswith(f"7.1, installed as {package_version()}; install it anew: ")
+    assert said.endswith(f"install -e '{tmp_path}'")
+    (problem,) = diagnosis._stale_problems(package_version(), tmp_path)
+    assert problem.what == f"modelcast is installed as {package_version()}, its source is 7.1"
+    assert problem.remedy in said
+    (tmp_path / "pyproject.toml").write_text(f'[project]\nversion = "{package_version()}"\n')
+    assert run(["--version"]) == 0
+    assert capsys.readouterr().out.strip() == package_version()
 
 
 def test_doctor_names_what_is_broken_and_its_remedy(

@@ -235,7 +235,9 @@ GROUPS: Mapping[str, tuple[WrongUse, ...]] = {
             "beyond 90",
             remedy="lat=lon,lon=lat",
         ),
-        _use("Positions in radians", "trips radians.csv", "0.738", "at sea", remedy="times 180 / pi"),
+        _use(
+            "Positions in radians", "trips radians.csv", "0.738", "at sea", remedy="lat_rad=lat,lon_rad=lon"
+        ),
         _use(
             "Headings in degrees called radians", "trips degrees.csv", "270", "radians", remedy="heading_deg="
         ),

@@ -39,9 +39,9 @@ def test_places_with_roads_are_read(latitude: float, longitude: float, made) -> 
     [
         (-83.7, 42.3, "south of all roads", "lat=lon,lon=lat"),
         (139.7, 35.7, "beyond 90", "lat=lon,lon=lat"),
-        (423000000.0, -837000000.0, "beyond 90", "Correct the value"),
-        (math.radians(42.3), math.radians(-83.7), "at sea", "180 / pi"),
-        (math.radians(-33.9), math.radians(151.2), "at sea", "180 / pi"),
+        (423000000.0, -837000000.0, "beyond 90", "lat_e7=lat,lon_e7=lon"),
+        (math.radians(42.3), math.radians(-83.7), "at sea", "lat_rad=lat,lon_rad=lon"),
+        (math.radians(-33.9), math.radians(151.2), "at sea", "lat_rad=lat,lon_rad=lon"),
     ],
 )
 def test_places_without_are_refused(

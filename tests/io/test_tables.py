@@ -74,11 +74,22 @@ def test_time_that_does_not_increase_is_an_error_with_its_row(made, kind, bad):
         list(read_trips(path))
 
 
-@both
-def test_nan_is_an_error_with_its_row(made, kind):
-    path = write(made, kind, {"t": [0.0, 0.1], "x": [0.0, float("nan")], "y": [0.0, 0.0]})
-    with pytest.raises(DataFormatError, match=r"row \d: x is '?[nN]a[nN]'?, not a finite number"):
+def test_nan_among_typed_numbers_is_an_error_with_its_row(made):
+    path = write(made, "parquet", {"t": [0.0, 0.1], "x": [0.0, float("nan")], "y": [0.0, 0.0]})
+    with pytest.raises(DataFormatError, match=r"row 2: x is nan, not a finite number"):
         list(read_trips(path))
+
+
+@pytest.mark.parametrize("word", ["NaN", "nan", "NA", "None", "-", ""])
+def test_words_for_no_number_are_blank_in_text(made, word):
+    (trip,) = read_trips(made.write("t.csv", f"t,x,y\n0,0,0\n0.1,{word},0\n0.2,2,0\n"))
+    assert (len(trip), dict(trip.reading.skipped)) == (2, {"position blank": 1})
+
+
+@pytest.mark.parametrize("word", ["inf", "-inf", "nil", "1e400"])
+def test_other_words_are_an_error(made, word):
+    with pytest.raises(DataFormatError, match=f"row 3: x is '{word}', not a finite number"):
+        list(read_trips(made.write("t.csv", f"t,x,y\n0,0,0\n0.1,{word},0\n")))
 
 
 @both
@@ -484,12 +495,12 @@ def test_text_of_windows_is_read_and_counted(made, encoding, counted):
 @pytest.mark.parametrize(
     ("cell", "remedy"),
     [
-        ("04.05.2026 07:30", "Write the date as 2026-05-04, the year first"),
-        ("4/5/2026 07:30:00", "The year comes first"),
+        ("04.05.2026 07:30", "^Write it as seconds"),
+        ("4/5/2026 07:30:00", "^Say what comes first: --columns t_dmy=time"),
         ("soon", "^Write it as seconds"),
     ],
 )
-def test_a_date_with_its_year_last_is_refused_with_the_way_to_write_it(made, cell, remedy):
+def test_what_is_no_time_for_certain_is_refused_with_what_to_write(made, cell, remedy):
     with pytest.raises(DataFormatError) as caught:
         list(read_trips(made.write("t.csv", f"time,x,y\n{cell},0,0\n{cell},1,0\n")))
     assert re.search(remedy, caught.value.remedy)

@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from modelcast.models.profile import default_profile
 from modelcast.report.captions import captions
 from modelcast.report.findings import findings
+from modelcast.report.html import report_document
 from modelcast.station.banks import bank_from_text
 from modelcast.study.result import RATES, TRACKING, EvaluationResult
 from modelcast.study.settings import EvaluationSettings
@@ -328,3 +330,20 @@ def test_settings_say_what_a_bank_sends(text: str, plain: bool, itself: bool) ->
 
 def test_a_result_of_nothing_has_no_sentence(make_result: Make) -> None:
     assert findings(replace(make_result(), trips=())) == []
+
+
+def test_the_data_says_what_columns_were_taken_for_and_of_several_ways_where_they_stand(
+    make_result: Make, read_page: Callable[[str], Any]
+) -> None:
+    result = make_result(trips=("a/1", "b/2"))
+    one = {"columns": "t=Time, lat=Breite", "assumed": "Breite in degrees", "not used": "rpm"}
+    other = {**one, "columns": "t=Time, lat=Lat"}
+    assert "Columns taken" not in told(result)[2]
+    alike = replace(result, trips=tuple(replace(trip, understood=one) for trip in result.trips))
+    said = told(alike)[2]
+    assert "Columns taken: t=Time, lat=Breite; only assumed: Breite in degrees; not used: rpm." in said
+    pairs = zip(result.trips, (one, other), strict=True)
+    apart = replace(result, trips=tuple(replace(trip, understood=way) for trip, way in pairs))
+    assert "Their files were understood in 2 ways, which stand above the list of trips." in told(apart)[2]
+    words = " ".join(read_page(report_document(apart, ())).text.split())
+    assert "b/2: columns t=Time, lat=Lat; assumed Breite in degrees; not used rpm." in words

@@ -32,9 +32,9 @@ _ATTENDED = frozenset(COMMANDS) - {"node", "serve", "demo-live", "view", "replay
 
 
 def _version() -> str:
-    from modelcast.core.version import package_version
+    from modelcast.cli.installation import version_text
 
-    return package_version()
+    return version_text()
 
 
 app = App(

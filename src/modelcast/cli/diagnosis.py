@@ -10,7 +10,14 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, cast
 
-from modelcast.cli.installation import InstalledPackage, extra_packages, required_packages
+from modelcast.cli.installation import (
+    InstalledPackage,
+    checkout,
+    extra_packages,
+    required_packages,
+    source_version,
+    stale_remedy,
+)
 from modelcast.cli.kernel_cache import kernel_cache
 from modelcast.core.extras import EXTRAS, install_command
 from modelcast.core.version import package_version
@@ -54,10 +61,15 @@ def diagnose() -> tuple[dict[str, Any], list[Problem]]:
     An extra that is missing is no problem; one that is there and too old or faulty is.
     """
     required, extras = required_packages(), extra_packages()
-    problems = [*_package_problems(required), *_extra_problems(extras.items())]
+    problems = [
+        *_stale_problems(package_version(), checkout()),
+        *_package_problems(required),
+        *_extra_problems(extras.items()),
+    ]
     document: dict[str, Any] = {
         "modelcast": {
             "version": package_version(),
+            "source_version": source_version(checkout()),
             "place": str(Path(__file__).resolve().parent.parent),
             "python": platform.python_version(),
             "interpreter": sys.executable,
@@ -87,6 +99,17 @@ def diagnose() -> tuple[dict[str, Any], list[Problem]]:
     document["cache"], found = _cache()
     problems += [*found, *_profile_problems(), *_folder_problems(), *_terminal_problems()]
     return {**document, "problems": [asdict(one) for one in problems]}, problems
+
+
+def _stale_problems(installed: str, folder: Path | None) -> list[Problem]:
+    """Whether the checkout that runs is another version than what was installed of it.
+
+    The sources run either way; what the installation states of them (version, packages needed) is old.
+    """
+    source = source_version(folder)
+    if folder is None or source in {None, installed}:
+        return []
+    return [Problem(f"modelcast is installed as {installed}, its source is {source}", stale_remedy(folder))]
 
 
 def _package_problems(required: Sequence[InstalledPackage]) -> list[Problem]:

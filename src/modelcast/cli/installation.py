@@ -3,13 +3,24 @@
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
+from pathlib import Path
 
-from modelcast.core.extras import EXTRAS
+from modelcast.core.extras import EXTRAS, install_command
+from modelcast.core.version import package_version
 
-__all__ = ["InstalledPackage", "extra_packages", "required_packages"]
+__all__ = [
+    "InstalledPackage",
+    "checkout",
+    "extra_packages",
+    "required_packages",
+    "source_version",
+    "stale_remedy",
+    "version_text",
+]
 
 _REQUIREMENT = re.compile(
     r"(?P<name>[\w.-]+)\s*(?:>=\s*(?P<least>[\d.]+))?[^;]*(?:;.*extra\s*==\s*'(?P<extra>\w+)')?"
@@ -62,6 +73,54 @@ class InstalledPackage:
         if self.least and _numbers(self.installed) < _numbers(self.least):
             return f"is {self.installed}, older than {self.least}"
         return f"cannot be imported: {self.fault}" if self.fault else ""
+
+
+def checkout(package: Path = Path(__file__).parents[1]) -> Path | None:
+    """Return the folder of the checkout that this modelcast runs from, None where it runs from no checkout.
+
+    Parameters
+    ----------
+    package
+        The folder of the package.
+    """
+    folder = package.parents[1]
+    return folder if package.parent.name == "src" and (folder / "pyproject.toml").is_file() else None
+
+
+def source_version(folder: Path | None) -> str | None:
+    """Return the version that a checkout states, None where it states none.
+
+    Parameters
+    ----------
+    folder
+        The checkout, if there is one.
+    """
+    try:
+        text = "" if folder is None else (folder / "pyproject.toml").read_text(encoding="utf-8")
+        stated = tomllib.loads(text).get("project", {}).get("version")
+    except (OSError, ValueError):
+        return None
+    return stated if isinstance(stated, str) else None
+
+
+def stale_remedy(folder: Path) -> str:
+    """Return what to run where a checkout is newer than what was installed of it.
+
+    Parameters
+    ----------
+    folder
+        The checkout.
+    """
+    return f"install it anew: {install_command(['-e', str(folder)])}"
+
+
+def version_text() -> str:
+    """Return the installed version; where a checkout of another one runs, both and what to do."""
+    installed, folder = package_version(), checkout()
+    source = source_version(folder)
+    if folder is None or source in {None, installed}:
+        return installed
+    return f"{source}, installed as {installed}; {stale_remedy(folder)}"
 
 
 def required_packages() -> list[InstalledPackage]:

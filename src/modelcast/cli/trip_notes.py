@@ -9,6 +9,8 @@ from tempfile import SpooledTemporaryFile
 from textwrap import indent
 from typing import IO, Self
 
+from rich.table import Table
+
 from modelcast.cli.terminal import show
 from modelcast.report.inspection import Findings, failed_lines, trip_document, trip_table
 from modelcast.trips.inspection import TripInspection
@@ -46,6 +48,15 @@ class TripNotes:
         for _ in range(self.count):
             yield pickle.load(self._file)  # noqa: S301 - as above
 
+    def _tables(self, thresholds_m: Sequence[float]) -> Iterator[Table]:
+        """Yield a table a trip; what its file was taken for stands in the first of trips that share it."""
+        last = None
+        for note in self._all():
+            inspection = note[0]
+            taken = (inspection.source, inspection.reading.understood)
+            yield trip_table(*note, thresholds_m=thresholds_m, with_understood=taken != last)
+            last = taken
+
     def say_json(
         self, failures: Mapping[str, str], skipped: Mapping[str, str], thresholds_m: Sequence[float]
     ) -> None:
@@ -80,9 +91,9 @@ class TripNotes:
         failures, skipped, thresholds_m
             As for `say_json`.
         """
-        notes = self._all()
-        while some := list(islice(notes, _SHOWN_AT_ONCE)):
-            show(*(trip_table(*note, thresholds_m=thresholds_m) for note in some))
+        tables = self._tables(thresholds_m)
+        while some := list(islice(tables, _SHOWN_AT_ONCE)):
+            show(*some)
         lines = failed_lines(failures, skipped)
         if lines:
             show(*lines)

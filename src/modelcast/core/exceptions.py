@@ -15,10 +15,10 @@ What works but is not what it seems is a `ModelcastWarning`.
 Mistakes of a caller of the Python interface are plain ``ValueError``.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
 from modelcast.core.extras import EXTRAS, install_command
+from modelcast.core.near_names import listed
 
 __all__ = [
     "CodecError",
@@ -120,11 +120,6 @@ class DataFormatError(ModelcastError):
         super().__init__(f"{place}: {problem}." + (f" {remedy}" if remedy else ""))
 
 
-def _joined(names: Sequence[str]) -> str:
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last
-
-
 class MissingExtraError(ModelcastError):
     """An optional part of modelcast is not installed.
 
@@ -138,5 +133,5 @@ class MissingExtraError(ModelcastError):
 
     def __init__(self, what: str, extra: str) -> None:
         own = tuple(EXTRAS[extra].packages)
-        packages = _joined(own) if len(own) <= _MOST_NAMED else f"the packages of the extra {extra}"
+        packages = listed(own, "and") if len(own) <= _MOST_NAMED else f"the packages of the extra {extra}"
         super().__init__(f"{what} needs {packages}: {install_command(own)}")

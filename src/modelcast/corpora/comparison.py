@@ -23,6 +23,7 @@ from modelcast.core.exceptions import ConfigError
 from modelcast.corpora.job import AbstractJob, TripFailures, read_failures
 from modelcast.corpora.running import Outcome
 from modelcast.io.table_files import read_table, write_table
+from modelcast.study.case import too_short
 from modelcast.study.compare.candidate import AbstractCandidate
 from modelcast.study.compare.free import free_name
 from modelcast.study.compare.result import (
@@ -37,7 +38,7 @@ from modelcast.study.compare.result import (
 )
 from modelcast.study.compare.run import checked_reference
 from modelcast.study.compare.settings import CompareSettings
-from modelcast.study.compare.stage import baseline_messages, ratios_of_references, stage_trips, too_short
+from modelcast.study.compare.stage import baseline_messages, ratios_of_references, stage_trips
 from modelcast.study.compare.table import Resamples, ratio_rows, rivals_rows
 from modelcast.study.compare.trial import candidate_row, run_trial
 from modelcast.study.context import reads_context

@@ -52,7 +52,8 @@ TRIP_ROWS = TableSchema(
         ),
         text(
             "details",
-            "JSON: reasons of rows skipped and repaired, warnings in words, the smoother's figures.",
+            "JSON: reasons of rows skipped and repaired, warnings and what the file was taken for in words, "
+            "the smoother's figures.",
         ),
     ),
 )
@@ -185,7 +186,8 @@ def trips_in(folder: Path) -> int:
 
 def _trip_row(trip: TripRow, sharpest_mps2: float | None) -> Row:
     details = {
-        name: plain_value(getattr(trip, name)) for name in ("skipped", "repaired", "conditioning", "warnings")
+        name: plain_value(getattr(trip, name))
+        for name in ("skipped", "repaired", "conditioning", "warnings", "understood")
     }
     return TRIP_ROWS.row(**trip_values(trip), sharpest_mps2=sharpest_mps2, details=document_text(details))
 

@@ -1,13 +1,21 @@
-"""Whether latitudes, longitudes and headings of a table can be in the units that their columns say."""
+"""Whether positions and headings of a table can be the angles, or the metres, that their columns say."""
 
 import numpy as np
 
+from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.column_map import ColumnMap
 from modelcast.io.rows import Rows
+from modelcast.io.unit_check import LEAST_WAY_M, ways_m
 from modelcast.trips.heading_unit import degrees_at
 
-__all__ = ["refuse_degrees", "refuse_other_angles", "refuse_radians"]
+__all__ = [
+    "refuse_degrees",
+    "refuse_degrees_as_metres",
+    "refuse_other_angles",
+    "refuse_radians",
+    "refuse_swapped",
+]
 
 _NO_ROADS_BELOW_DEG = -60.0
 _ROADS_UP_TO_DEG = 75.0
@@ -15,6 +23,15 @@ _RADIANS_LATITUDE, _RADIANS_LONGITUDE = 0.5 * np.pi, np.pi
 _RADIANS_BELOW_MPS = 2.0
 """Radians read as degrees move 57 times too slowly: 2 m/s were 115 m/s."""
 _FEWEST_ROWS = 3
+_LATITUDE_DEG, _LONGITUDE_DEG = 90.0, 180.0
+_MINUTES = 60.0
+_M_PER_DEG = 111_195.0
+"""A degree of latitude on a sphere of the Earth's mean radius, 6,371 km."""
+_FITS_RATIO = 0.02
+"""Positions and speeds of good recordings agree to 1 % over a trip."""
+_FITS_NOT_RATIO = 0.08
+_STEADY_MPS = (0.5, 70.0)
+_FEWEST_STEPS = 20
 
 
 def refuse_other_angles(path: str, rows: Rows, found: ColumnMap) -> None:
@@ -42,13 +59,14 @@ def refuse_other_angles(path: str, rows: Rows, found: ColumnMap) -> None:
     lat_name, lon_name = found.numbers["latitude_deg"][0], found.numbers["longitude_deg"][0]
     swapped = f"Are latitude and longitude swapped? --columns with lat={lon_name},lon={lat_name}."
     for name, column, bound in (("latitude_deg", latitude, 90.0), ("longitude_deg", longitude, 360.0)):
-        bad = (np.abs(column) > bound) & (column != -np.inf)
+        bad = (np.abs(column) > bound) & np.isfinite(column)
         if bad.any():
             at = int(np.argmax(bad))
             turned_round = bound == 90.0 and np.abs(latitude[at]) <= 180.0 and np.abs(longitude[at]) <= 90.0
+            other = _other_unit(latitude[known], longitude[known], (lat_name, lon_name))
             raise DataFormatError(
                 path, f"{name} is {column[at]}, beyond {bound:.0f}", row=int(rows.line[at]),
-                remedy=swapped if turned_round else "Correct the value or the column map.",
+                remedy=swapped if turned_round else other or "Correct the value or the column map.",
             )  # fmt: skip
     if known.sum() < _FEWEST_ROWS:
         return
@@ -56,6 +74,100 @@ def refuse_other_angles(path: str, rows: Rows, found: ColumnMap) -> None:
     if (latitude < _NO_ROADS_BELOW_DEG).all() and (np.abs(longitude) < _ROADS_UP_TO_DEG).all():
         raise DataFormatError(
             path, f"latitude_deg is {latitude[0]:g}, south of all roads", row=int(line[0]), remedy=swapped
+        )
+
+
+def _other_unit(latitude: FloatArray, longitude: FloatArray, names: tuple[str, str]) -> str:
+    """Return what to do where all of a table's angles would be some in another unit, else nothing."""
+    lat_name, lon_name = names
+    e7 = 1e-7 * np.abs(latitude) <= _LATITUDE_DEG, 1e-7 * np.abs(longitude) <= _LONGITUDE_DEG
+    if np.all(e7) and (np.abs(latitude) > 1e4 * _LATITUDE_DEG).any():
+        return f"If they count 1e-7 degrees: --columns lat_e7={lat_name},lon_e7={lon_name}."
+    bounds = (latitude, _LATITUDE_DEG), (longitude, _LONGITUDE_DEG)
+    if all(
+        (np.abs(one) <= 100 * most).all() and (np.abs(one) % 100 < _MINUTES).all() for one, most in bounds
+    ):
+        return (
+            f"If they are degrees and minutes as NMEA writes them (4807.04 is 48° 7.04'), write degrees: "
+            f"int({lat_name} / 100) + ({lat_name} mod 100) / 60, the same of {lon_name}, negative where they "
+            "are south or west. A log of NMEA sentences is read as it is."
+        )
+    return ""
+
+
+def refuse_swapped(path: str, rows: Rows, names: tuple[str, str]) -> None:
+    """Raise `DataFormatError` where speeds say that latitude and longitude are the other way round.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows
+        One vehicle's rows with ``t_s``, ``latitude_deg``, ``longitude_deg``, ``east_m`` and ``north_m`` of
+        them; without ``speed_mps`` nothing is told.
+    names
+        Columns of latitude and longitude.
+
+    Notes
+    -----
+    A degree of longitude is as short as the cosine of the latitude says, so that positions which were turned
+    round move at other speeds.
+    """
+    moved_m, said_m = ways_m(rows)
+    latitude, longitude = rows.columns["latitude_deg"], rows.columns["longitude_deg"]
+    if not moved_m > LEAST_WAY_M or np.abs(longitude[0]) > _LATITUDE_DEG:
+        return
+    scale = np.cos(np.radians(longitude[0]))
+    turned = rows.having(
+        east_m=_M_PER_DEG * (latitude - latitude[0]) * scale, north_m=_M_PER_DEG * (longitude - longitude[0])
+    )
+    other_m, _ = ways_m(turned)
+    off, off_turned = abs(said_m / moved_m - 1.0), abs(said_m / max(other_m, 1.0) - 1.0)
+    if off > _FITS_NOT_RATIO and off_turned < _FITS_RATIO:
+        lat_name, lon_name = names
+        raise DataFormatError(
+            path,
+            f"the speeds fit {lat_name} and {lon_name} only if they are the other way round",
+            row=int(rows.line[0]),
+            remedy=f"Are latitude and longitude swapped? --columns with lat={lon_name},lon={lat_name}.",
+        )
+
+
+def refuse_degrees_as_metres(path: str, rows: Rows, names: tuple[str, str]) -> None:
+    """Raise `DataFormatError` where positions in metres are longitudes and latitudes, or Earth-centred.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows
+        One vehicle's rows with ``t_s``, ``east_m`` and ``north_m``.
+    names
+        Columns of east and north.
+
+    Notes
+    -----
+    Programs for maps write the longitude as ``X``. What moves steadily less than a metre in all, and as
+    degrees at the speed of a vehicle, is no vehicle that stands: noise has no steady speed of that size.
+    """
+    columns, (x, y) = rows.columns, names
+    steps_s, east_m, north_m = np.diff(columns["t_s"]), columns["east_m"], columns["north_m"]
+    if len(steps_s) < _FEWEST_STEPS or not (steps_s > 0).all():
+        return
+    if np.abs(east_m).max() > _LONGITUDE_DEG or np.abs(north_m).max() > _LATITUDE_DEG:
+        return
+    if np.ptp(east_m) > 1.0 or np.ptp(north_m) > 1.0:
+        return
+    scale = np.cos(np.radians(np.mean(north_m)))
+    way_m = _M_PER_DEG * np.hypot(np.diff(east_m) * scale, np.diff(north_m))
+    direct_m = _M_PER_DEG * np.hypot((east_m[-1] - east_m[0]) * scale, north_m[-1] - north_m[0])
+    slow, fast = _STEADY_MPS
+    if slow <= way_m.sum() / steps_s.sum() <= fast and direct_m > max(LEAST_WAY_M, 0.1 * way_m.sum()):
+        raise DataFormatError(
+            path,
+            f"{x} and {y} hardly move as metres, and like a vehicle as degrees",
+            row=int(rows.line[0]),
+            remedy=f"Longitude and latitude: --columns lon={x},lat={y}.",
         )
 
 
@@ -110,7 +222,7 @@ def refuse_radians(path: str, rows: Rows, names: tuple[str, str]) -> None:
         path,
         f"{lat_name} {latitude[0]:g} and {lon_name} {longitude[0]:g} are a place at sea",
         row=int(rows.line[0]),
-        remedy=f"If they are in radians, write {lat_name} and {lon_name} in degrees: times 180 / pi. "
+        remedy=f"If they are in radians: --columns lat_rad={lat_name},lon_rad={lon_name}. "
         f"If they are in degrees: --columns latitude_deg={lat_name}.",
     )
 

@@ -20,6 +20,7 @@ from modelcast.core.exceptions import DataFormatError
 from modelcast.io.column_map import known_map
 from modelcast.io.reading_limits import MOST_NAME_BYTES
 from modelcast.io.rows import LARGEST, Rows, are_numbers
+from modelcast.io.table_notes import FIRST_ROWS
 from modelcast.io.table_trips import AbstractTable, TablePart
 from modelcast.io.time_column import TimeColumn, TimeUnit, holds_times
 
@@ -30,6 +31,8 @@ PART_ROWS = 131_072
 
 _LARGEST_TIME = 1e20
 """Unix nanoseconds are beyond `LARGEST`."""
+_MOST_SHOWN = 40
+"""Columns that are not read, but looked at for what they may mean."""
 _ARROW_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
@@ -70,12 +73,13 @@ class ArrowTable(AbstractTable):
         self._kinds = {name: schema.types[names.index(name)] for name, _ in self.found.numbers.values()}
         self._rows = rows
         self._batches = batches
+        self._plain = [str(name) for name, kind in zip(names, schema.types, strict=True) if _is_plain(kind)]
         time, unit_s = self.found.numbers["t_s"]
         kind = self._kinds[time]
         stamped = pa.types.is_timestamp(kind)
         self._times = TimeColumn(
             path, time, _ARROW_UNITS[kind.unit] if stamped else unit_s,
-            stated=stamped or self.found.time_stated,
+            stated=stamped or self.found.time_stated, day_first=self.found.day_first,
         )  # fmt: skip
         self._zoned = stamped and kind.tz is not None
         self._dated = False
@@ -99,6 +103,23 @@ class ArrowTable(AbstractTable):
     def rows_expected(self) -> int | None:
         """As the table says."""
         return self._rows
+
+    def first_cells(self) -> Mapping[str, Sequence[str]]:
+        """Return the first rows of the columns that are read, and of others of numbers or text."""
+        read = [*self.found.meanings.values()]
+        wanted = [name for name in self._plain if name in {*read, *self.found.unused[:_MOST_SHOWN]}]
+        try:
+            batch = next(iter(self._batches(wanted)), None)
+        except DataFormatError:  # a column that is not read may be of any size
+            return {}
+        if batch is None:
+            return {}
+        names = [str(name) for name in batch.schema.names]
+        rows = batch.slice(0, FIRST_ROWS)
+        return {
+            name: ["" if cell is None else str(cell) for cell in rows.column(names.index(name)).to_pylist()]
+            for name in wanted
+        }
 
     def parts(self, *, whole: bool) -> Iterator[TablePart]:
         """Yield record batches."""
@@ -129,7 +150,7 @@ class ArrowTable(AbstractTable):
         if is_text(kind):
             text = self._text(name, column, line)
             if not self._dated and text.null_count() < len(text):
-                self._dated = holds_times(text)
+                self._dated = self.found.day_first is not None or holds_times(text)
                 if not self._dated:
                     self._require_numbers(name, kind)
             return self._times.read(text, line)
@@ -184,6 +205,14 @@ class ArrowTable(AbstractTable):
                 remedy="Correct the value, or make it null where it is not known.",
             )
         return numbers
+
+
+def _is_plain(kind: Any) -> bool:
+    """Return whether an Arrow type is a number, a time stamp or text."""
+    if pa.types.is_dictionary(kind):
+        return is_text(kind.value_type)
+    number = pa.types.is_floating(kind) or pa.types.is_integer(kind)
+    return bool(number or pa.types.is_timestamp(kind) or is_text(kind))
 
 
 def _may_name(kind: Any) -> bool:

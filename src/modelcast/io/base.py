@@ -12,6 +12,7 @@ from typing import ClassVar, Self, TypeAlias
 
 from modelcast.core.exceptions import ConfigError
 from modelcast.trips.trajectory import Reading, Trajectory
+from modelcast.trips.understood import Understood
 
 __all__ = ["AbstractTripReader", "NoUsableRow", "OnSkipped", "Tally", "ignore_skipped"]
 
@@ -69,6 +70,17 @@ class Tally:
     def __init__(self) -> None:
         self._skipped: dict[str, int] = {}
         self._repaired: dict[str, int] = {}
+        self._understood: Understood | None = None
+
+    def understand(self, found: Understood) -> None:
+        """Note what the file was taken for.
+
+        Parameters
+        ----------
+        found
+            The same value for all trips of a file.
+        """
+        self._understood = found
 
     def skip(self, reason: str, count: int) -> None:
         """Count rows left out.
@@ -120,6 +132,7 @@ class Tally:
             rows=rows,
             skipped=dict(self._skipped),
             repaired=dict(self._repaired),
+            understood=self._understood,
         )
         if found.samples != samples:
             raise ValueError(

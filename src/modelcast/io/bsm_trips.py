@@ -18,11 +18,18 @@ from modelcast.io.gathered_trips import TripRows, UsableRows, first_origin, plac
 from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered
 from modelcast.io.rows import Rows
 from modelcast.trips.trajectory import Trajectory
+from modelcast.trips.understood import Understood
 
 __all__ = ["AbstractBsmLog", "BsmRow", "bsm_trips"]
 
 _BLOCK_ROWS = 16_384
 _INSTANT = "t_ms"
+_VALUES = {
+    frozenset({True}): "codes of the standard, told by how they are written",
+    frozenset({False}): "in the standard's units, told by how they are written",
+    frozenset({True, False}): "codes of the standard in some messages, its units in others",
+}
+"""What the numbers of messages are in words, by whether they are codes."""
 
 
 class BsmRow(NamedTuple):
@@ -103,6 +110,10 @@ def bsm_trips(
     rows = _Senders(log)
 
     def usable(raw: Rows, tally: Tally) -> UsableRows:
+        clock = "UTC" if log.utc else "a clock without a zone"
+        tally.understand(
+            Understood(notes={"values": _VALUES[frozenset(rows.kinds)], "time": f"stamps of {clock}"})
+        )
         raw = raw.without(np.isnan(raw.columns[_INSTANT]), "time missing", tally)
         raw = placed_on_earth(raw, tally)
         start_ms = float(raw.columns[_INSTANT].min()) if len(raw) else 0.0
@@ -126,6 +137,7 @@ class _Senders(AbstractKeyedRows[str]):
         self.log = log
         self.path = log.path
         self.origin: Origin | None = None
+        self.kinds: set[bool] = set()
 
     @property
     def columns(self) -> int:
@@ -166,6 +178,7 @@ class _Senders(AbstractKeyedRows[str]):
         line = np.array([message.row for message in held], np.int64)
         table = np.array([message.numbers for message in held], np.float64)
         codes = np.array([message.codes for message in held], np.bool_)
+        self.kinds |= {message.codes for message in held}
         raw = {name: table[:, at] for at, name in enumerate(CORE_COLUMNS)}
         wrong = first_wrong_code({name: np.where(codes, column, 0.0) for name, column in raw.items()})
         if wrong is not None:

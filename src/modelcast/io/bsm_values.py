@@ -15,7 +15,7 @@ from modelcast.io.rows import with_missing
 from modelcast.messages.bsm_fields import CORE_FIELDS
 from modelcast.messages.fields import Field
 
-__all__ = ["CORE_COLUMNS", "core_in_si", "first_wrong_code", "instants_ms"]
+__all__ = ["CORE_COLUMNS", "available", "core_in_si", "first_wrong_code", "instants_ms"]
 
 _FIELDS: Mapping[str, Field] = MappingProxyType({field.name: field for field in CORE_FIELDS})
 
@@ -69,6 +69,29 @@ def core_in_si(raw: Mapping[str, FloatArray], *, codes: BoolArray) -> dict[str, 
             missing |= (code == field.unavailable) | (given == field.unavailable)
         found[column] = with_missing(units * field.si_per_unit, missing)
     return found
+
+
+def available(column: str, values: FloatArray) -> FloatArray:
+    """Return values with NaN where they are that of the code for what is not available, or beyond it.
+
+    A yaw rate has no such code; what recorders write for it is the end of its range.
+
+    Parameters
+    ----------
+    column
+        One of `CORE_COLUMNS`.
+    values
+        In the standard's units (m/s, deg, m/s², deg/s), (R,); rounded by a quarter of a step at most.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> available("speed_mps", np.array([10.0, 163.8, 163.82]))
+    array([ 10. , 163.8,   nan])
+    """
+    field = _FIELDS[CORE_COLUMNS[column]]
+    code = field.high if field.unavailable is None else field.unavailable
+    return with_missing(values, np.abs(values) >= (code - 0.25) * field.step[0] / field.step[1])
 
 
 def first_wrong_code(raw: Mapping[str, FloatArray]) -> tuple[str, int] | None:

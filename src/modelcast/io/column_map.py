@@ -1,136 +1,27 @@
-"""Which column of a table means what: the map that the csv and parquet readers share.
+"""Which column of a table means what: the map that csv, Parquet and data frames share.
 
-===================  ==========================  =====================================================
-Meaning              Unit                        Names found without a map
-===================  ==========================  =====================================================
-t                    s, or told by the values    t_s, time_s (seconds for certain), t, time
-t_ms, t_us, t_ns     ms, µs, ns                  t_ms, time_ms; t_us, time_us; t_ns, time_ns
-east, north, up      m                           east_m, east, x; north_m, north, y; up_m, up, z
-east_ft, north_ft,   ft                          east_ft; north_ft; up_ft
-up_ft
-lat, lon, alt        deg, deg, m                 latitude_deg, latitude, lat; longitude_deg, longitude,
-                                                 lon; altitude_m, altitude, alt
-alt_ft               ft                          altitude_ft, alt_ft
-speed, speed_kmh     m/s, km/h                   speed_mps, speed; speed_kmh
-speed_mph, speed_kn, mile/h, knot, ft/s          speed_mph; speed_kn, speed_knots; speed_ftps
-speed_ftps
-heading_rad, _deg    from north, clockwise       heading_rad; heading_deg
-yaw_rate_radps,      rad/s, deg/s, clockwise     yaw_rate_radps; yaw_rate_degps
-yaw_rate_degps
-acceleration         m/s²                        acceleration_mps2
-acceleration_ftps2   ft/s²                       acceleration_ftps2
-vehicle              name of the vehicle         vehicle, vehicle_id
-trip                 complete identifier         trip
-origin_lat, _lon,    deg, deg, m; constant in a  origin_latitude_deg, origin_longitude_deg,
-_alt                 trip, with east and north   origin_altitude_m
-start_unix           s, Unix time of t = 0;      start_unix_s
-                     constant in a trip
-===================  ==========================  =====================================================
-
-These names are case-sensitive. What they leave open, names that others use tell (``GPS Time``,
-``Speed (km/h)``: `modelcast.io.header_names`). Needed are a time and east with north, or lat with lon; east
-and north win where both are there. Angles have no default unit: a plain ``heading`` has to be mapped.
-`modelcast.io.time_column` says how the values of a time column tell their unit.
+`modelcast.io.column_meanings` has the meanings and the names that are found without a map. Needed are a time
+and east with north, or lat with lon; east and north win where both are there.
 """
 
-import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
-from types import MappingProxyType
+from dataclasses import dataclass, field, replace
 
-import numpy as np
-
-from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import ConfigError, DataFormatError
-from modelcast.io.header_names import (
-    states_degrees,
-    states_metres_a_second,
-    states_seconds,
-    told_meanings,
-)
+from modelcast.io.column_guess import example_map
+from modelcast.io.column_meanings import GEODETIC, LABELS, LOCAL, MEANINGS, filled
+from modelcast.io.header_names import stated_unit, told_meanings
 
-__all__ = ["ColumnMap", "Meaning", "detected_map", "example_map", "known_map", "names_its_own", "user_map"]
+__all__ = ["ColumnMap", "detected_map", "known_map", "names_its_own", "user_map"]
 
-_DEG = 0.017453292519943295
-_FOOT_M = 0.3048
-"""The international foot; that of the United States' surveys is 2 millionths longer."""
-_MILE_M = 5280 * _FOOT_M
-_NAUTICAL_MILE_M = 1852.0
-
-
-@dataclass(frozen=True, slots=True)
-class Meaning:
-    """What a column holds: the SI column it fills, the factor to SI, the names it is found under."""
-
-    fills: str
-    factor: float
-    names: tuple[str, ...]
-
-
-MEANINGS: Mapping[str, Meaning] = {
-    "t": Meaning("t_s", 1.0, ("t_s", "time_s", "t", "time")),
-    "t_ms": Meaning("t_s", 1e-3, ("t_ms", "time_ms")),
-    "t_us": Meaning("t_s", 1e-6, ("t_us", "time_us")),
-    "t_ns": Meaning("t_s", 1e-9, ("t_ns", "time_ns")),
-    "east": Meaning("east_m", 1.0, ("east_m", "east", "x")),
-    "north": Meaning("north_m", 1.0, ("north_m", "north", "y")),
-    "up": Meaning("up_m", 1.0, ("up_m", "up", "z")),
-    "east_ft": Meaning("east_m", _FOOT_M, ("east_ft",)),
-    "north_ft": Meaning("north_m", _FOOT_M, ("north_ft",)),
-    "up_ft": Meaning("up_m", _FOOT_M, ("up_ft",)),
-    "lat": Meaning("latitude_deg", 1.0, ("latitude_deg", "latitude", "lat")),
-    "lon": Meaning("longitude_deg", 1.0, ("longitude_deg", "longitude", "lon")),
-    "alt": Meaning("altitude_m", 1.0, ("altitude_m", "altitude", "alt")),
-    "alt_ft": Meaning("altitude_m", _FOOT_M, ("altitude_ft", "alt_ft")),
-    "speed": Meaning("speed_mps", 1.0, ("speed_mps", "speed")),
-    "speed_kmh": Meaning("speed_mps", 1.0 / 3.6, ("speed_kmh",)),
-    "speed_mph": Meaning("speed_mps", _MILE_M / 3600.0, ("speed_mph",)),
-    "speed_kn": Meaning("speed_mps", _NAUTICAL_MILE_M / 3600.0, ("speed_kn", "speed_knots")),
-    "speed_ftps": Meaning("speed_mps", _FOOT_M, ("speed_ftps",)),
-    "heading_rad": Meaning("heading_rad", 1.0, ("heading_rad",)),
-    "heading_deg": Meaning("heading_rad", _DEG, ("heading_deg",)),
-    "yaw_rate_radps": Meaning("yaw_rate_radps", 1.0, ("yaw_rate_radps",)),
-    "yaw_rate_degps": Meaning("yaw_rate_radps", _DEG, ("yaw_rate_degps",)),
-    "acceleration": Meaning("acceleration_mps2", 1.0, ("acceleration_mps2",)),
-    "acceleration_ftps2": Meaning("acceleration_mps2", _FOOT_M, ("acceleration_ftps2",)),
-    "origin_lat": Meaning("origin_latitude_deg", 1.0, ("origin_latitude_deg",)),
-    "origin_lon": Meaning("origin_longitude_deg", 1.0, ("origin_longitude_deg",)),
-    "origin_alt": Meaning("origin_altitude_m", 1.0, ("origin_altitude_m",)),
-    "start_unix": Meaning("start_unix_s", 1.0, ("start_unix_s",)),
-    "vehicle": Meaning("vehicle", 1.0, ("vehicle", "vehicle_id")),
-    "trip": Meaning("trip", 1.0, ("trip",)),
-}
 _SECONDS = {"t_s", "time_s"}
 """Names that say seconds; the other names of ``t`` leave the unit to the values."""
 
-_LIKELY: Mapping[str, str] = {
-    "t_ns": r"(time|stamp|^t)[^a-z]*(ns|nano\w*)\b",
-    "t_us": r"(time|stamp|^t)[^a-z]*(us|µs|micro\w*)\b",
-    "t_ms": r"(time|stamp|^t)[^a-z]*(ms|milli\w*)\b",
-    "t": r"time|stamp|date|^t\b|^sec|clock|utc|zeit|temps|hora|fecha",
-    "lat": r"lat|breite",
-    "lon": r"lon|lng|länge|laenge",
-    "east_ft": r"(east|^x|_x\b).*(ft|feet)",
-    "north_ft": r"(north|^y(?!aw)|_y\b).*(ft|feet)",
-    "east": r"east|^x|[^a-z]x\b|_x\b|^e\d*$|pos_?x",
-    "north": r"north|^y(?!aw)|[^a-z]y\b|_y\b|^n\d*$|pos_?y",
-    "speed_kmh": r"(speed|vel|geschw|^v\d*_).*(km/?h|kph)",
-    "speed_mph": r"(speed|vel|geschw|^v\d*_).*(mph|mi/?h|miles)",
-    "speed_kn": r"(speed|vel|geschw|^v\d*_).*(knot|kn\b|kts?\b)",
-    "speed_ftps": r"(speed|vel|geschw|^v\d*_).*(ft|feet)",
-    "speed": r"speed|veloc|geschw|^v\b|^v_?(mps|ms)?$|^vel\b",
-    "vehicle": r"veh|kennzeich|^id$|track|^car|agent|^device",
+_PAIRS = {
+    False: ("east and north", "east with north, or east_ft with north_ft"),
+    True: ("latitude and longitude", "lat with lon, lat_e7 with lon_e7, or lat_rad with lon_rad"),
 }
-"""What a column may mean, by its name in lower case: for examples only, never for reading."""
-
-_HEADING = r"head|hdg|^cog\b|course|bearing|kurs|^psi\b|^yaw(?!.*rate)"
-
-_PAIRS = (("lat", "lon"), ("east_ft", "north_ft"), ("east", "north"))
-_LOCAL = ("east_m", "north_m")
-_GEODETIC = ("latitude_deg", "longitude_deg")
-_PLACED = {"t_s", *_LOCAL, *_GEODETIC}
-_SHOWN = {*_PLACED, "speed_mps", "heading_rad", "vehicle"}
-"""What an example of a column map shows."""
+"""What a position is made of in words, and how its units are mapped, by whether it is on the Earth."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +41,11 @@ class ColumnMap:
     speed_assumed
         The speed column whose name only lets m/s be assumed, else empty.
     degrees_stated
-        Whether the name of the latitude's column, or the map, states that it holds degrees.
+        Whether the name of the latitude's column, or the map, states the unit that it holds.
+    meanings
+        The column of each meaning that is read.
+    unused
+        The table's other columns, in order.
     """
 
     numbers: Mapping[str, tuple[str, float]]
@@ -159,11 +54,19 @@ class ColumnMap:
     time_stated: bool
     speed_assumed: str = ""
     degrees_stated: bool = False
+    meanings: Mapping[str, str] = field(default_factory=dict[str, str])
+    unused: tuple[str, ...] = ()
 
     @property
     def geodetic(self) -> bool:
         """Whether positions are latitudes and longitudes."""
-        return _LOCAL[0] not in self.numbers
+        return LOCAL[0] not in self.numbers
+
+    @property
+    def day_first(self) -> bool | None:
+        """Whether the map says that dates begin with the day, or the month; None where it says neither."""
+        orders = {"t_dmy": True, "t_mdy": False}
+        return next((first for word, first in orders.items() if word in self.meanings), None)
 
 
 def known_map(
@@ -196,15 +99,17 @@ def known_map(
             row=row,
             remedy=f"Give a column map, for example {example_map(names)}.",
         )
-    if not found.geodetic and len({found.numbers[name][1] for name in _LOCAL}) > 1:
-        both = " and ".join(found.numbers[name][0] for name in _LOCAL)
+    pair = GEODETIC if found.geodetic else LOCAL
+    if len({found.numbers[name][1] for name in pair}) > 1:
+        both = " and ".join(found.numbers[name][0] for name in pair)
+        axes, pairs = _PAIRS[found.geodetic]
         raise DataFormatError(
             path,
-            f"columns {both} give east and north in different units",
+            f"columns {both} give {axes} in different units",
             row=row,
-            remedy="Map both in one: east with north, or east_ft with north_ft.",
+            remedy=f"Map both in one: {pairs}.",
         )
-    used = [name for name, _ in found.numbers.values()] + ([found.label] if found.label else [])
+    used = found.meanings.values()
     twice = next((name for name in used if list(names).count(name) > 1), None)
     if twice is not None:
         places = ", ".join(str(at) for at, name in enumerate(names, start=1) if name == twice)
@@ -212,101 +117,7 @@ def known_map(
             path, f"column {twice!r} occurs more than once (columns {places})", row=row,
             remedy="Rename all but the one that is meant.",
         )  # fmt: skip
-    return found
-
-
-def example_map(
-    names: Collection[str],
-    chosen: Mapping[str, str] = MappingProxyType({}),
-    *,
-    cells: Mapping[str, Sequence[str]] | None = None,
-) -> str:
-    """Return an example of a column map made of a table's own columns, for an error.
-
-    A needed column that no name tells is shown as ``?``: a guess would be read without a word.
-
-    Parameters
-    ----------
-    names
-        The table's columns.
-    chosen
-        Columns by meaning that the user gave already.
-    cells
-        The table's first rows, by column, where they are known: they tell the vehicle and units of speeds.
-
-    Examples
-    --------
-    >>> example_map(["Stamp_ns", "Position Lat", "Position Lon", "v [km/h]", "id"])
-    "--columns 't_ns=Stamp_ns,lat=Position Lat,lon=Position Lon,speed_kmh=v [km/h],vehicle=id'"
-    >>> example_map(["time", "b", "c"])
-    "--columns 't=time,east=?,north=?' (put a column in place of each ?)"
-    """
-    free = [name for name in dict.fromkeys(names) if name and not set(name) & set(",='")]
-    told = told_meanings([name for name in free if name not in chosen.values()])
-    given = {MEANINGS[meaning].fills for meaning in chosen}
-    guess = {meaning: name for meaning, name in told.items() if MEANINGS[meaning].fills in _SHOWN - given}
-    guess |= chosen
-    for meaning, pattern in _LIKELY.items():
-        filled = {MEANINGS[known].fills for known in guess}
-        left = [name for name in free if name not in guess.values()]
-        name = next((name for name in left if re.search(pattern, name.lower())), None)
-        if name is not None and MEANINGS[meaning].fills not in filled:
-            guess[meaning] = name
-    if cells is not None:
-        guess = _told_by_rows(guess, cells, [name for name in free if name not in guess.values()])
-    time = next((meaning for meaning in guess if MEANINGS[meaning].fills == "t_s"), "t")
-    pair = min(_PAIRS[::-1], key=lambda pair: (-len({*pair} & chosen.keys()), not {*pair} <= guess.keys()))
-    others = [
-        meaning
-        for meaning in guess
-        if MEANINGS[meaning].fills not in _PLACED and (meaning in chosen or MEANINGS[meaning].fills in _SHOWN)
-    ]
-    shown = ",".join(f"{meaning}={guess.get(meaning, '?')}" for meaning in (time, *pair, *others))
-    return f"--columns '{shown}'" + (" (put a column in place of each ?)" if "=?" in shown else "")
-
-
-def _told_by_rows(
-    guess: Mapping[str, str], cells: Mapping[str, Sequence[str]], free: Sequence[str]
-) -> dict[str, str]:
-    """Return a guess with the vehicle, the unit of the speed and a heading, as first rows tell them."""
-    from modelcast.io.map_guess import (  # noqa: PLC0415 - loads polars, for an error alone
-        guessed_heading,
-        guessed_speed,
-        guessed_vehicle,
-        sampled_times,
-    )
-
-    found = dict(guess)
-    heading = next((name for name in free if re.search(_HEADING, name.lower())), None)
-    values = None if heading is None else _numbers(cells[heading])
-    if heading is not None and values is not None and "heading_rad" not in _fills(found):
-        found[guessed_heading(values)] = heading
-    time = next((meaning for meaning in found if MEANINGS[meaning].fills == "t_s"), None)
-    t_s = None if time is None else sampled_times(cells[found[time]], found[time], MEANINGS[time].factor)
-    if t_s is None:
-        return found
-    vehicle = guessed_vehicle(t_s, cells, [name for name in free if name != heading])
-    if vehicle is not None and "vehicle" not in found:
-        found["vehicle"] = vehicle
-    si: dict[str, FloatArray] = {}
-    for meaning, name in found.items():
-        numbers = _numbers(cells[name]) if MEANINGS[meaning].fills in _PLACED | {"speed_mps"} else None
-        if numbers is not None:
-            si[MEANINGS[meaning].fills] = numbers * MEANINGS[meaning].factor
-    placed = si.keys() >= {*_LOCAL} or si.keys() >= {*_GEODETIC}
-    if "speed" in found and "speed_mps" in si and placed:
-        label = found.get("vehicle")
-        unit = guessed_speed(t_s, si, None if label is None else cells[label])
-        found = {unit if unit and word == "speed" else word: name for word, name in found.items()}
-    return found
-
-
-def _numbers(cells: Sequence[str]) -> FloatArray | None:
-    """Return a column's cells as numbers, None where one is none."""
-    try:
-        return np.array([float(cell.replace(",", ".")) for cell in cells])
-    except ValueError:
-        return None
+    return replace(found, unused=tuple(name for name in names if name and name not in used))
 
 
 def detected_map(names: Collection[str]) -> ColumnMap | None:
@@ -342,7 +153,11 @@ def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> C
         meaning = word if word in MEANINGS else by_found_name.get(word, word)
         if meaning not in MEANINGS:
             hint = f" Say {word}_rad or {word}_deg." if word == "heading" else ""
-            hint = " Say yaw_rate_radps or yaw_rate_degps." if word == "yaw_rate" else hint
+            hint = (
+                f" Say {word}_radps, {word}_degps, {word}_left_radps or {word}_left_degps."
+                if word == "yaw_rate"
+                else hint
+            )
             raise ConfigError(
                 f"Unknown meaning {word!r} in the column map.{hint} Known: {', '.join(MEANINGS)}."
             )
@@ -351,40 +166,36 @@ def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> C
                 path, f"has no column {name!r} for {word}", remedy=f"Its columns: {', '.join(names)}."
             )
         chosen[meaning] = name
-    fills = [MEANINGS[meaning].fills for meaning in chosen]
-    if len(set(fills)) != len(fills):
+    fills = filled(chosen)
+    if len(fills) != len(chosen):
         raise ConfigError(f"The column map {dict(columns)} names a quantity twice, in two units.")
     found = _mapped(chosen)
     rest: dict[str, str] = {}
     if found is None:
         left = [name for name in names if name not in chosen.values()]
-        barred = {*fills}
-        for pair, other in ((_LOCAL, _GEODETIC), (_GEODETIC, _LOCAL)):
-            barred |= {*other} if {*fills} & {*pair} else set()
+        barred = set(fills)
+        for pair, other in ((LOCAL, GEODETIC), (GEODETIC, LOCAL)):
+            barred |= {*other} if fills & {*pair} else set()
         rest |= {word: name for word, name in _found(left).items() if MEANINGS[word].fills not in barred}
         found = _mapped(rest | chosen)
     if found is None:
         given = ", ".join(f"{word}={name}" for word, name in columns.items())
         raise ConfigError(
-            f"{path}: {given} is taken, but {_not_told({*fills} | _fills(rest))} not found: "
+            f"{path}: {given} is taken, but {_not_told(fills | filled(rest))} not found: "
             f"it needs t, and east with north or lat with lon. The whole map: {example_map(names, chosen)}."
         )
     return replace(
         found,
         time_stated=found.time_stated or "t_s" in columns,
         speed_assumed="" if "speed_mps" in columns else found.speed_assumed,
-        degrees_stated=found.degrees_stated or not {*_GEODETIC}.isdisjoint(columns),
+        degrees_stated=found.degrees_stated or not {*GEODETIC}.isdisjoint(columns),
     )
 
 
-def _fills(meanings: Collection[str]) -> set[str]:
-    return {MEANINGS[meaning].fills for meaning in meanings}
-
-
-def _not_told(filled: set[str]) -> str:
+def _not_told(fills: set[str]) -> str:
     """Return which of time and position are not among SI columns, with the verb."""
-    placed = filled >= {*_LOCAL} or filled >= {*_GEODETIC}
-    missing = ["time"] * ("t_s" not in filled) + ["position"] * (not placed)
+    placed = fills >= {*LOCAL} or fills >= {*GEODETIC}
+    missing = ["time"] * ("t_s" not in fills) + ["position"] * (not placed)
     return " and ".join(missing) + (" are" if len(missing) > 1 else " is")
 
 
@@ -402,7 +213,7 @@ def names_its_own(names: Collection[str]) -> bool:
     (True, False)
     """
     own = {entry.fills for entry in MEANINGS.values() if not {*entry.names}.isdisjoint(names)}
-    return "t_s" in own and (own >= {*_LOCAL} or own >= {*_GEODETIC})
+    return "t_s" in own and (own >= {*LOCAL} or own >= {*GEODETIC})
 
 
 def _found(names: Collection[str]) -> dict[str, str]:
@@ -412,29 +223,36 @@ def _found(names: Collection[str]) -> dict[str, str]:
         name = next((name for name in entry.names if name in names), None)
         if name is not None:
             found[meaning] = name
-    filled = {MEANINGS[meaning].fills for meaning in found}
-    if filled >= {*_GEODETIC}:
-        filled |= {*_LOCAL}
+    known = filled(found)
+    if known >= {*GEODETIC}:
+        known |= {*LOCAL}
     told = told_meanings(names)
-    return found | {meaning: name for meaning, name in told.items() if MEANINGS[meaning].fills not in filled}
+    return found | {meaning: name for meaning, name in told.items() if MEANINGS[meaning].fills not in known}
 
 
 def _mapped(found: Mapping[str, str]) -> ColumnMap | None:
     """Return the map of meanings to names, the first unit of each quantity; None where it is too little."""
-    numbers: dict[str, tuple[str, float]] = {}
-    for meaning, name in found.items():
-        entry = MEANINGS[meaning]
-        if meaning not in {"vehicle", "trip"}:
-            numbers.setdefault(entry.fills, (name, entry.factor))
-    local = all(name in numbers for name in _LOCAL)
-    geodetic = all(name in numbers for name in _GEODETIC)
-    if "t_s" not in numbers or not (local or geodetic):
+    first: dict[str, str] = {}
+    for meaning in found:
+        if meaning not in LABELS:
+            first.setdefault(MEANINGS[meaning].fills, meaning)
+    local = all(fills in first for fills in LOCAL)
+    geodetic = all(fills in first for fills in GEODETIC)
+    if "t_s" not in first or not (local or geodetic):
         return None
-    unused = (*_GEODETIC, "altitude_m") if local else (*_LOCAL, "up_m")
-    kept = {fills: entry for fills, entry in numbers.items() if fills not in unused}
-    label = found.get("trip", found.get("vehicle"))
-    stated = "t" not in found or found["t"] in _SECONDS or states_seconds(found["t"])
-    speed, factor = kept.get("speed_mps", ("", 0.0))
-    assumed = speed if factor == 1.0 and not states_metres_a_second(speed) else ""
-    degrees = states_degrees(kept.get(_GEODETIC[0], ("", 0.0))[0])
-    return ColumnMap(kept, label, "trip" in found, stated, assumed, degrees)
+    unused = (*GEODETIC, "altitude_m") if local else (*LOCAL, "up_m")
+    kept = {fills: meaning for fills, meaning in first.items() if fills not in unused}
+    numbers = {fills: (found[meaning], MEANINGS[meaning].factor) for fills, meaning in kept.items()}
+    label = next((meaning for meaning in LABELS if meaning in found), None)
+    read = {*kept.values(), label}
+    speed, factor = numbers.get("speed_mps", ("", 0.0))
+    latitude = kept.get(GEODETIC[0], "")
+    return ColumnMap(
+        numbers,
+        None if label is None else found[label],
+        label == "trip",
+        kept["t_s"] != "t" or found["t"] in _SECONDS or stated_unit(found["t"]) == "s",
+        speed if factor == 1.0 and stated_unit(speed) != "mps" else "",
+        latitude not in {"", "lat"} or stated_unit(found.get(latitude, "")) == "deg",
+        {meaning: found[meaning] for meaning in MEANINGS if meaning in read},
+    )

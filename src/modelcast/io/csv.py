@@ -7,27 +7,29 @@
 not read.
 
 A byte order mark, line ends of any kind, blank padding, quotes around a field (without a separator inside)
-and E notation are read; blank or ``NULL`` is missing. Text that is no UTF-8 is read as Windows-1252, and
-counted; UTF-16 is an error.
+and E notation are read; a number that is blank, ``NULL``, ``NA``, ``NaN``, ``None`` or ``-`` is missing. Text
+that is no UTF-8 is read as Windows-1252, and counted; UTF-16 is an error.
 
 Skipped and counted: rows whose time or position is blank, rows off the road (`modelcast.io.table_trips`), a
 cut last line. Repaired and counted: single missing values of optional columns (the last value is held), Unix
 times whose unit only their size tells. Anything else is an error with its line.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
+from modelcast.io.base import OnSkipped, ignore_skipped
 from modelcast.io.column_map import ColumnMap, detected_map, known_map, names_its_own
-from modelcast.io.reading_limits import HELD_BYTES
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.rows import Rows
 from modelcast.io.table_layout import TableLayout, decimal_mark, is_number, table_layout
+from modelcast.io.table_notes import FIRST_ROWS
 from modelcast.io.table_trips import AbstractTable, TablePart, table_trips
 from modelcast.io.text_blocks import number_column, read_blocks, text_column
 from modelcast.io.text_head import (
@@ -45,24 +47,25 @@ from modelcast.trips.trajectory import Trajectory
 __all__ = ["CsvReader"]
 
 _RECODED = "read as Windows-1252"
+_MISSING = frozenset({"na", "n/a", "nan", "null", "none", "-", "--"})
+"""What programs write for a number that there is none of, in lower case; pandas, R and MATLAB among them."""
+_SEPARATED = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "vertical bars", " ": "blanks"}
+"""What parts fields, in words."""
 _FIRST = 20
 """Rows that are looked at to tell a table."""
 
 
 @dataclass(frozen=True, slots=True)
-class CsvReader(AbstractTripReader):
+class CsvReader(AbstractHoldingReader):
     """Reads comma-separated tables.
 
     Parameters
     ----------
     columns
         Column names by meaning; names are detected where it is None.
-    held_bytes
-        Octets of numbers that may be gathered at a time.
     """
 
     columns: Mapping[str, str] | None = None
-    held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "csv"
     streams: ClassVar[bool] = True
 
@@ -75,15 +78,13 @@ class CsvReader(AbstractTripReader):
         del path
         lines = first_lines(head)
         layout = table_layout(lines, _has_known_names)
-        found = None if layout is None else detected_map(layout.names)
-        if layout is None or found is None:
+        if layout is None:
             return False
-        below = [
-            split_fields(line, layout.separator) for line in lines[layout.lines :][:_FIRST] if line.strip()
-        ]
+        below = _rows(lines, layout)[:_FIRST]
         if below and min(map(len, below)) > len(layout.names):
             return False
-        return (
+        found = _map_of(layout.names)
+        return found is not None and (
             names_its_own(layout.names)
             or found.time_stated
             or not _are_far_apart(below, layout.names.index(found.numbers["t_s"][0]))
@@ -93,10 +94,6 @@ class CsvReader(AbstractTripReader):
         """Return the reader with the user's column names."""
         return replace(self, columns=dict(columns))
 
-    def within(self, held_bytes: int) -> "CsvReader":
-        """Return the reader with another limit."""
-        return replace(self, held_bytes=held_bytes)
-
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per vehicle, as `modelcast.io.gathering` gathers them."""
         head = file_head(path)
@@ -105,12 +102,16 @@ class CsvReader(AbstractTripReader):
         found = known_map(path, self.columns, layout.names, row=layout.lines)
         table = _TextTable(path, found, layout, lines)
         table.recoded = "" if is_utf8(complete_lines(head)) else _RECODED
+        table.written = "; ".join([table.written, *([table.recoded] if table.recoded else [])])
         yield from table_trips(table, self.name, on_skipped, held_bytes=self.held_bytes)
 
     def _layout(self, path: str, lines: list[str]) -> TableLayout:
         """Return how the table is written."""
         mapped = set(self.columns.values()) if self.columns else None
         layout = table_layout(lines, _has_known_names if mapped is None else mapped.issubset)
+        if layout is not None and mapped and layout.plain:
+            both = zip(layout.names, layout.plain, strict=True)
+            layout = replace(layout, names=tuple(plain if plain in mapped else name for name, plain in both))
         if layout is None or not any(layout.names):
             raise DataFormatError(path, "the file is empty", remedy="The first line names the columns.")
         if mapped is None and all(map(is_number, layout.names)):
@@ -131,7 +132,17 @@ class _TextTable(AbstractTable):
         numbers = [self._field[name] for name, _ in found.numbers.values()]
         self._decimal = decimal_mark(lines, layout, numbers, path)
         name, unit_s = found.numbers["t_s"]
-        self._times = TimeColumn(path, name, unit_s, stated=found.time_stated, decimal=self._decimal)
+        self._times = TimeColumn(
+            path, name, unit_s, stated=found.time_stated, decimal=self._decimal, day_first=found.day_first
+        )
+        self._lines = lines
+        marks = [_SEPARATED[layout.separator]] if layout.separator in _SEPARATED else [layout.separator]
+        marks += ["decimal commas"] * (self._decimal == ",")
+        marks += [f"header in line {layout.lines - bool(layout.plain)}"] * (
+            layout.lines > 1 + bool(layout.plain)
+        )
+        marks += [f"units in line {layout.lines}"] * bool(layout.plain)
+        self.written = ", ".join(marks)
 
     @property
     def time(self) -> TimeUnit:
@@ -142,6 +153,14 @@ class _TextTable(AbstractTable):
     def rows_expected(self) -> int | None:
         """By the size of the file."""
         return rows_expected(self.path)
+
+    def first_cells(self) -> Mapping[str, Sequence[str]]:
+        """Return the first rows of all columns."""
+        rows = _rows(self._lines[:FIRST_ROWS], self._layout)
+        whole = [row for row in rows if len(row) == len(self._layout.names)]
+        return (
+            {name: [row[at] for row in whole] for at, name in enumerate(self._layout.names)} if whole else {}
+        )
 
     def parts(self, *, whole: bool) -> Iterator[TablePart]:
         """Yield blocks of lines."""
@@ -154,7 +173,9 @@ class _TextTable(AbstractTable):
             separator=self._layout.separator,
         ):  # fmt: skip
             columns = {
-                fills: number_column(self.path, block, self._field[name], name, decimal=self._decimal)
+                fills: number_column(
+                    self.path, block, self._field[name], name, decimal=self._decimal, missing=_MISSING
+                )
                 for fills, name in numbers.items()
                 if fills != "t_s"
             }
@@ -162,6 +183,11 @@ class _TextTable(AbstractTable):
             columns["t_s"] = self._times.read(time, block.line)
             labels = None if label is None else text_column(block, self._field[label]).alias(label)
             yield TablePart(block.index, Rows(block.line, columns), labels, block.partial > 0)
+
+
+def _rows(lines: list[str], layout: TableLayout) -> list[list[str]]:
+    """Return the fields of the rows below the header."""
+    return [split_fields(line, layout.separator) for line in lines[layout.lines :] if line.strip()]
 
 
 def _are_far_apart(rows: list[list[str]], field: int) -> bool:
@@ -173,5 +199,11 @@ def _are_far_apart(rows: list[list[str]], field: int) -> bool:
     return bool(np.median(steps) >= LONGEST_STEP_S)
 
 
+@lru_cache(maxsize=64)
+def _map_of(names: tuple[str, ...]) -> ColumnMap | None:
+    """The map that names tell: asked again and again while a header is looked for."""
+    return detected_map(names)
+
+
 def _has_known_names(names: list[str]) -> bool:
-    return detected_map(names) is not None
+    return _map_of(tuple(names)) is not None

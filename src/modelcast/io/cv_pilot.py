@@ -38,7 +38,7 @@ doi:10.21949/1504502; Wyoming CV Pilot BSM One Day Sample (descriptions of colum
 
 import csv
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from io import TextIOWrapper
 from pathlib import Path
 from typing import ClassVar, TextIO
@@ -47,12 +47,12 @@ import numpy as np
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.rules import is_clean, shown
-from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
+from modelcast.io.base import OnSkipped, ignore_skipped
 from modelcast.io.bsm_trips import AbstractBsmLog, BsmRow, bsm_trips
 from modelcast.io.bsm_values import CORE_COLUMNS
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.log_stamps import LogClock
 from modelcast.io.packed import open_octets
-from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import LARGEST
 from modelcast.io.text_head import file_head, first_lines, split_fields
 from modelcast.trips.trajectory import Trajectory
@@ -83,16 +83,9 @@ _LARGEST_LATITUDE_DEG = 90.0000002
 
 
 @dataclass(frozen=True, slots=True)
-class CvPilotReader(AbstractTripReader):
-    """Reads tables of the pilots; the module's docstring has the columns and the repairs.
+class CvPilotReader(AbstractHoldingReader):
+    """Reads tables of the pilots; the module's docstring has the columns and the repairs."""
 
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that may be gathered at a time.
-    """
-
-    held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "cv-pilot"
     streams: ClassVar[bool] = True
 
@@ -101,10 +94,6 @@ class CvPilotReader(AbstractTripReader):
         del path
         lines = first_lines(head)
         return bool(lines) and not _missing(_places(split_fields(lines[0])))
-
-    def within(self, held_bytes: int) -> "CvPilotReader":
-        """Return the reader with another limit."""
-        return replace(self, held_bytes=held_bytes)
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per temporary id, in the order in which they appear."""

@@ -13,7 +13,6 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 import polars as pl
@@ -21,11 +20,11 @@ import polars as pl
 from modelcast.core.arrays import IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import OnSkipped, Tally, ignore_skipped
 from modelcast.io.drone_files import DroneFiles, DroneTables, header_of, number_of, small_table
 from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.packed import recording_stem
-from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, make_trip, ordered
 from modelcast.io.text_blocks import number_column, read_blocks, text_column
 from modelcast.io.text_head import first_lines, rows_expected, split_fields
@@ -60,17 +59,8 @@ class Recorded:
         return number_of(str(self.files.path("recordingMeta")), self.row, name, self.line)
 
 
-class AbstractDroneReader(AbstractTripReader):
-    """Reads recordings of one layout.
-
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that may be gathered at a time.
-    """
-
-    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
-        self._held_bytes = held_bytes
+class AbstractDroneReader(AbstractHoldingReader):
+    """Reads recordings of one layout."""
 
     @property
     @abstractmethod
@@ -98,10 +88,6 @@ class AbstractDroneReader(AbstractTripReader):
             For what is put right.
         """
 
-    def within(self, held_bytes: int) -> Self:
-        """Return the reader with another limit."""
-        return type(self)(held_bytes)
-
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether the first line is the header of one of the tables."""
         lines = first_lines(head)
@@ -124,7 +110,7 @@ class AbstractDroneReader(AbstractTripReader):
                 remedy="It is in frames a second, 25 as published.",
             )  # fmt: skip
         tracks = _Tracks(str(files.path("tracks")), self.tables.tracks, recorded)
-        for found in gathered(tracks, self._held_bytes):
+        for found in gathered(tracks, self.held_bytes):
             trip = self._trip(tracks, found, rate_hz, on_skipped)
             if trip is not None:
                 yield trip

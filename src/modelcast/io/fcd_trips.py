@@ -36,18 +36,19 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import heading_to_velocity, wrap_angle_rad
 from modelcast.core.kinds import SIZES_M, Kind
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import OnSkipped, Tally, ignore_skipped
 from modelcast.io.fcd_columns import FcdRow, fcd_columns
 from modelcast.io.fcd_rows import csv_names, read_columns
 from modelcast.io.fcd_survey import FcdSurvey, survey
 from modelcast.io.fcd_times import by_time, in_metres
 from modelcast.io.fleet_slots import RAW_COLUMNS
 from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.packed import recording_stem
-from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, make_trip
 from modelcast.io.text_head import first_lines
 from modelcast.trips.trajectory import Trajectory
+from modelcast.trips.understood import Understood
 
 __all__ = ["HEAD_TIMES", "FcdReader"]
 
@@ -61,24 +62,11 @@ _BLOCK_ROWS = 2**16
 _OPTIONAL = ("speed_mps", "heading_rad", "acceleration_mps2", "yaw_rate_radps")
 
 
-class FcdReader(AbstractTripReader):
-    """Reads SUMO's floating-car data; the module's docstring has the choices.
-
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that may be gathered at a time.
-    """
+class FcdReader(AbstractHoldingReader):
+    """Reads SUMO's floating-car data; the module's docstring has the choices."""
 
     name: ClassVar[str] = "sumo-fcd"
     streams: ClassVar[bool] = True
-
-    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
-        self._held_bytes = held_bytes
-
-    def within(self, held_bytes: int) -> "FcdReader":
-        """Return the reader with another limit."""
-        return FcdReader(held_bytes)
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether this is XML with SUMO's root, or a table with SUMO's names."""
@@ -97,7 +85,7 @@ class FcdReader(AbstractTripReader):
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip a vehicle."""
         rows = _FcdTrips(_surveyed(path))
-        for found in gathered(rows, self._held_bytes):
+        for found in gathered(rows, self.held_bytes):
             trip = _trip(rows, found, on_skipped)
             if trip is not None:
                 yield trip
@@ -119,6 +107,12 @@ class _FcdTrips(AbstractKeyedRows[_Key]):
     def __init__(self, found: FcdSurvey) -> None:
         self.found, self.path, self.others = found, found.path, Tally()
         self.stem = recording_stem(found.path)
+        degrees = (
+            "x and y are longitude and latitude, told by how vehicles move; headings turned to true north"
+        )
+        place = "front bumpers, moved back by half a length" if found.front_bumper else "middles"
+        told = "x and y are metres, told by how vehicles move" if found.origin is None else degrees
+        self.understood = Understood(notes={"position": f"{told}; {place}"})
 
     @property
     def columns(self) -> int:
@@ -169,6 +163,7 @@ def _block(index: int, batch: Sequence[FcdRow], *, rows: bool) -> KeyedBlock[_Ke
 def _trip(file: _FcdTrips, found: Gathered[_Key], on_skipped: OnSkipped) -> Trajectory | None:
     """Return one vehicle's trip, its middle in metres."""
     tally = Tally()
+    tally.understand(file.understood)
     trip_id = file.called(found.key)
     trip = make_trip(
         file.path, trip_id, _placed(file.found, found.rows, found.key[1], tally), tally,

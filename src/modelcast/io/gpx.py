@@ -44,11 +44,12 @@ import polars as pl
 from modelcast.core.arrays import BoolArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import OnSkipped, Tally, ignore_skipped
 from modelcast.io.fcd_source import fcd_kind
 from modelcast.io.gpx_points import CELLS, GpxPoint, GpxPoints
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.packed import recording_stem
-from modelcast.io.reading_limits import HELD_BYTES, require_fitting
+from modelcast.io.reading_limits import require_fitting
 from modelcast.io.rows import Rows, joined, located, make_trip, ordered, with_missing
 from modelcast.io.spmd import valid_position
 from modelcast.io.text_blocks import Block, number_column, text_column
@@ -73,24 +74,11 @@ _ROW_BYTES = 8 * (len(_NUMBERS) + 4)
 """Of a point: its numbers, line, time, segment and fix."""
 
 
-class GpxReader(AbstractTripReader):
-    """Reads GPX tracks; the module's docstring has the elements and the choices.
-
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that one track may take.
-    """
+class GpxReader(AbstractHoldingReader):
+    """Reads GPX tracks; the module's docstring has the elements and the choices."""
 
     name: ClassVar[str] = "gpx"
     streams: ClassVar[bool] = True
-
-    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
-        self._held_bytes = held_bytes
-
-    def within(self, held_bytes: int) -> "GpxReader":
-        """Return the reader with another limit."""
-        return GpxReader(held_bytes)
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether this is XML whose root is ``gpx``."""
@@ -108,7 +96,7 @@ class GpxReader(AbstractTripReader):
         for number, of_track in groupby(points, lambda point: point.track):
             trip_id = f"{stem}/track-{number}"
             tally = Tally()
-            rows, unit = _numbers(path, trip_id, of_track, self._held_bytes)
+            rows, unit = _numbers(path, trip_id, of_track, self.held_bytes)
             count = len(rows)
             timed += int(np.isfinite(rows.columns["t_s"]).sum())
             rows = _usable(rows, unit, tally)

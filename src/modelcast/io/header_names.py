@@ -12,10 +12,10 @@ the same neither is taken.
 """
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
 
-__all__ = ["states_degrees", "states_metres_a_second", "states_seconds", "told_meanings"]
+__all__ = ["are_units", "stated_unit", "told_meanings"]
 
 _UNITS = MappingProxyType(
     {
@@ -32,6 +32,7 @@ _UNITS = MappingProxyType(
         "mph": "mph mi/h miles/h",
         "kn": "kn kt kts knot knots",
         "ftps": "ft/s ftps fps",
+        "g": "g",
         "mps2": "m/s2 m/s² m/s^2 mps2 ms-2",
     }
 )
@@ -47,8 +48,8 @@ _QUANTITIES = MappingProxyType(
         "longitude": "lon lng long longitude",
         "east": "x east easting",
         "north": "y north northing",
-        "speed": "v speed velocity vel speed_over_ground",
-        "heading": "heading course course_over_ground bearing",
+        "speed": "v speed velocity vel speed_over_ground sog",
+        "heading": "heading hdg course course_over_ground cog bearing",
         "acceleration": "acceleration accel longitudinal_acceleration",
         "vehicle": "vehicle vehicle_id vehicleid veh veh_id vehid car_id carid track_id trackid agent_id",
     }
@@ -64,8 +65,10 @@ _MEANINGS: Mapping[tuple[str, str], str] = MappingProxyType(
         ("time", "ns"): "t_ns",
         ("latitude", ""): "lat",
         ("latitude", "deg"): "lat",
+        ("latitude", "rad"): "lat_rad",
         ("longitude", ""): "lon",
         ("longitude", "deg"): "lon",
+        ("longitude", "rad"): "lon_rad",
         ("east", ""): "east",
         ("east", "m"): "east",
         ("east", "ft"): "east_ft",
@@ -81,12 +84,15 @@ _MEANINGS: Mapping[tuple[str, str], str] = MappingProxyType(
         ("heading", "deg"): "heading_deg",
         ("heading", "rad"): "heading_rad",
         ("acceleration", "mps2"): "acceleration",
+        ("acceleration", "g"): "acceleration_g",
         ("vehicle", ""): "vehicle",
     }
 )
 """What a quantity in a unit means to a column map (`modelcast.io.column_map`)."""
 
 _OWNERS = r"^(?:(?:gps|gnss|veh|vehicle|ego|pos|position)_)+(?=.)"
+_NO_UNIT = {"", "-", "--", "1", "n/a", "none", "text", "string"}
+"""What stands in a row of units for a column that has none."""
 _UNIT_OF = {way: unit for unit, ways in _UNITS.items() for way in ways.split()}
 _QUANTITY_OF = {way: quantity for quantity, ways in _QUANTITIES.items() for way in ways.split()}
 
@@ -117,37 +123,30 @@ def told_meanings(names: Collection[str]) -> dict[str, str]:
     return dict(ways[0] for ways in found.values() if len(ways) == 1)
 
 
-def states_seconds(name: str) -> bool:
-    """Return whether a time column's name says that it holds seconds.
+def are_units(cells: Sequence[str]) -> bool:
+    """Return whether a row of a table holds units, blanks and dashes, and two units at least.
 
     Examples
     --------
-    >>> states_seconds("Time [s]"), states_seconds("time")
-    (True, False)
+    >>> are_units(["[s]", "deg", "", "km/h"]), are_units(["0", "1", "2"]), are_units(["s", "x"])
+    (True, False, False)
     """
-    return _parts(name) == ("time", "s")
+    plain = [cell.strip().strip("[](){}").replace(" ", "").lower() for cell in cells]
+    return sum(cell in _UNIT_OF for cell in plain) > 1 and all(
+        cell in _UNIT_OF or cell in _NO_UNIT for cell in plain
+    )
 
 
-def states_degrees(name: str) -> bool:
-    """Return whether a latitude column's name says that it holds degrees.
+def stated_unit(name: str) -> str:
+    """Return the short name of the unit that a known quantity's name states, empty where it states none.
 
     Examples
     --------
-    >>> states_degrees("Latitude [deg]"), states_degrees("lat")
-    (True, False)
+    >>> stated_unit("Time [s]"), stated_unit("time"), stated_unit("speed_mps"), stated_unit("colour_m")
+    ('s', '', 'mps', '')
     """
-    return _parts(name) == ("latitude", "deg")
-
-
-def states_metres_a_second(name: str) -> bool:
-    """Return whether a speed column's name says that it holds metres a second.
-
-    Examples
-    --------
-    >>> states_metres_a_second("speed_mps"), states_metres_a_second("speed")
-    (True, False)
-    """
-    return _parts(name) == ("speed", "mps")
+    quantity, unit = _parts(name)
+    return unit if quantity else ""
 
 
 def _parts(name: str) -> tuple[str, str]:

@@ -32,7 +32,7 @@ format's README (columns, units) and the viewer (one clock a file).
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
@@ -40,11 +40,11 @@ import numpy as np
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import wrap_angle_rad
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import OnSkipped, Tally, ignore_skipped
 from modelcast.io.gathered_trips import TripRows, UsableRows, trips_of
 from modelcast.io.gathering import gathered
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.keyed_text import KeyedText
-from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows
 from modelcast.io.text_head import file_head, first_lines, split_fields
 from modelcast.trips.trajectory import Trajectory
@@ -57,16 +57,9 @@ _CASE, _YAW = "case_id", "psi_rad"
 
 
 @dataclass(frozen=True, slots=True)
-class InteractionReader(AbstractTripReader):
-    """Reads INTERACTION tracks; the module's docstring has the columns and the repairs.
+class InteractionReader(AbstractHoldingReader):
+    """Reads INTERACTION tracks; the module's docstring has the columns and the repairs."""
 
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that may be gathered at a time.
-    """
-
-    held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "interaction"
     streams: ClassVar[bool] = True
 
@@ -75,10 +68,6 @@ class InteractionReader(AbstractTripReader):
         del path
         lines = first_lines(head)
         return bool(lines) and set(_NEEDED) <= set(split_fields(lines[0]))
-
-    def within(self, held_bytes: int) -> "InteractionReader":
-        """Return the reader with another limit."""
-        return replace(self, held_bytes=held_bytes)
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per track."""

@@ -47,8 +47,9 @@ import polars as pl
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin, wrap_angle_rad
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
-from modelcast.io.reading_limits import HELD_BYTES, require_fitting
+from modelcast.io.base import OnSkipped, Tally, ignore_skipped
+from modelcast.io.holding import AbstractHoldingReader
+from modelcast.io.reading_limits import require_fitting
 from modelcast.io.rows import LARGEST, Rows, located, make_trip, ordered
 from modelcast.io.spmd import valid_position
 from modelcast.io.time_column import TimeColumn, holds_dates
@@ -71,23 +72,10 @@ _LARGEST_PACKET = 4096
 """Octets; an honest packet has about 400."""
 
 
-class KittiOxtsReader(AbstractTripReader):
-    """Reads the OXTS folders of KITTI's raw data; the module's docstring has the numbers.
-
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that one drive may take.
-    """
+class KittiOxtsReader(AbstractHoldingReader):
+    """Reads the OXTS folders of KITTI's raw data; the module's docstring has the numbers."""
 
     name: ClassVar[str] = "kitti-oxts"
-
-    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
-        self._held_bytes = held_bytes
-
-    def within(self, held_bytes: int) -> "KittiOxtsReader":
-        """Return the reader with another limit."""
-        return KittiOxtsReader(held_bytes)
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether this is a drive's folder, or the folder ``oxts`` in it."""
@@ -109,7 +97,7 @@ class KittiOxtsReader(AbstractTripReader):
         tally = Tally()
         named = _named(folder / _DATA, trip_id, on_skipped)
         row_bytes = 8 * (len(_FIELDS) + 2)
-        require_fitting(path, trip_id, len(named), row_bytes=row_bytes, held_bytes=self._held_bytes)
+        require_fitting(path, trip_id, len(named), row_bytes=row_bytes, held_bytes=self.held_bytes)
         rows = _packets(folder, named, tally)
         count = len(rows) + tally.left_out
         rows = _usable(rows, tally)

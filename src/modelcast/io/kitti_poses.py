@@ -36,9 +36,10 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import OnSkipped, Tally, ignore_skipped
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.packed import is_there, recording_stem
-from modelcast.io.reading_limits import HELD_BYTES, require_fitting
+from modelcast.io.reading_limits import require_fitting
 from modelcast.io.rows import Rows, make_trip
 from modelcast.io.table_layout import is_number
 from modelcast.io.text_blocks import number_column, read_blocks
@@ -53,24 +54,11 @@ _TOLERANCE = 0.01
 """How far the length of an axis may be from 1: poses are written with seven digits."""
 
 
-class KittiPosesReader(AbstractTripReader):
-    """Reads poses of KITTI's odometry benchmark; the module's docstring has the axes.
-
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that one sequence may take.
-    """
+class KittiPosesReader(AbstractHoldingReader):
+    """Reads poses of KITTI's odometry benchmark; the module's docstring has the axes."""
 
     name: ClassVar[str] = "kitti-poses"
     streams: ClassVar[bool] = True
-
-    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
-        self._held_bytes = held_bytes
-
-    def within(self, held_bytes: int) -> "KittiPosesReader":
-        """Return the reader with another limit."""
-        return KittiPosesReader(held_bytes)
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether lines hold 12 numbers, and the first of them a rotation."""
@@ -85,11 +73,11 @@ class KittiPosesReader(AbstractTripReader):
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield the trip of one sequence, which is held whole."""
         trip_id = f"{_sequence(path)}/car"
-        line, pose, partial = _numbers(path, _WIDTH, (*_AXIS, *_PLACE), trip_id, self._held_bytes)
+        line, pose, partial = _numbers(path, _WIDTH, (*_AXIS, *_PLACE), trip_id, self.held_bytes)
         if not line.size and not partial:
             raise DataFormatError(path, "the file is empty", remedy="Check that it is complete.")
         times = _times_of(path)
-        t_line, t_s, cut = _numbers(str(times), 1, (0,), trip_id, self._held_bytes)
+        t_line, t_s, cut = _numbers(str(times), 1, (0,), trip_id, self.held_bytes)
         if cut or t_line.size != line.size + partial:
             raise DataFormatError(
                 path,

@@ -9,17 +9,21 @@ between their vehicles stay what they were; the first position of each file woul
 import numpy as np
 
 from modelcast.core.arrays import FloatArray
+from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy_kernels import FARTHEST_M
 from modelcast.io.base import Tally
 from modelcast.io.rows import Rows
 
-__all__ = ["STEP_M", "counted_from", "near_origin_m"]
+__all__ = ["STEP_M", "counted_from", "near_origin_m", "refuse_earth_centred"]
 
 STEP_M = 100_000.0
 """Distance of the points that positions are counted from, an axis [m]."""
 
 _FARTHEST_M = 4e7
 """No grid of a map goes on farther, with the number of its zone in front [m]; what does is damage."""
+
+_EARTH_M = (6.35e6, 6.39e6)
+"""From the middle of the Earth to roads: the poles at sea level, and the equator at 10 km [m]."""
 
 
 def near_origin_m(rows: Rows) -> FloatArray | None:
@@ -65,3 +69,29 @@ def counted_from(rows: Rows, origin_m: FloatArray, tally: Tally) -> Rows:
     east, north = origin_m
     tally.repair(f"position counted from ({east:.0f}, {north:.0f})", len(rows))
     return rows.having(east_m=rows.columns["east_m"] - east, north_m=rows.columns["north_m"] - north)
+
+
+def refuse_earth_centred(path: str, rows: Rows, east: str) -> None:
+    """Raise `DataFormatError` where positions count from the middle of the Earth.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows
+        One vehicle's rows with ``east_m`` and ``north_m``; without ``up_m`` nothing is told.
+    east
+        Name of the column of east.
+    """
+    if "up_m" not in rows.columns:
+        return
+    place_m = np.stack([rows.columns[name] for name in ("east_m", "north_m", "up_m")])
+    away_m = np.sqrt((place_m**2).sum(axis=0))
+    nearest, farthest = _EARTH_M
+    if len(rows) and ((away_m > nearest) & (away_m < farthest)).all():
+        raise DataFormatError(
+            path,
+            f"{east} with its two others counts from the middle of the Earth (ECEF, WGS-84)",
+            row=int(rows.line[0]),
+            remedy="Write latitude, longitude: pyproj.Transformer.from_crs(4978, 4979).transform(x, y, z).",
+        )

@@ -12,32 +12,33 @@ import polars as pl
 from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
+from modelcast.io.column_meanings import GEODETIC, LOCAL, MEANINGS
+from modelcast.io.heading_check import better_meaning
 from modelcast.io.rows import Rows, located
-from modelcast.io.time_column import TimeColumn
+from modelcast.io.time_column import TimeColumn, over_midnight
 from modelcast.io.unit_check import speed_unit
 
-__all__ = ["guessed_heading", "guessed_speed", "guessed_vehicle", "sampled_times"]
+__all__ = ["guessed_heading", "guessed_speed", "guessed_vehicle", "placed_rows", "sampled_times"]
 
 _CIRCLE_RAD = 2.0 * np.pi + 0.01
 _FEWEST_TIMES = 2
+_POLE_DEG = 90.0
 
 
-def sampled_times(cells: Sequence[str], name: str, unit_s: float) -> FloatArray | None:
+def sampled_times(cells: Sequence[str], meaning: str, name: str) -> FloatArray | None:
     """Return times of the first rows [s], (R,), or None where one of them is none.
 
     Parameters
     ----------
     cells
         The column.
-    name
-        Its name.
-    unit_s
-        The unit that the name tells [s].
+    meaning, name
+        What it is taken for, and its name.
     """
-    column = TimeColumn("", name, unit_s, stated=unit_s != 1.0)
+    column = TimeColumn("", name, MEANINGS[meaning].factor, stated=meaning != "t")
     text = pl.Series([cell.replace(",", ".") for cell in cells], dtype=pl.String)
     try:
-        t_s = column.read(text, np.arange(len(cells))) * column.unit.unit_s
+        t_s = over_midnight(column.read(text, np.arange(len(cells))), column.unit) * column.unit.unit_s
     except DataFormatError:
         return None
     return t_s if np.isfinite(t_s).all() else None
@@ -75,30 +76,55 @@ def guessed_vehicle(t_s: FloatArray, cells: Mapping[str, Sequence[str]], free: C
     return min(found, key=lambda one: one[0])[1] if found else None
 
 
-def guessed_speed(t_s: FloatArray, si: Mapping[str, FloatArray], vehicle: Sequence[str] | None) -> str | None:
-    """Return the meaning of a speed column whose numbers are not in m/s, None where they may be.
+def placed_rows(
+    t_s: FloatArray, columns: Mapping[str, FloatArray], vehicle: Sequence[str] | None
+) -> Rows | None:
+    """Return the first vehicle's rows on a plane, None where there is no position.
 
     Parameters
     ----------
     t_s
         Times of the rows, (R,) [s].
-    si
-        Positions in metres or degrees, and the speed as it stands, by SI column.
+    columns
+        Positions in metres or degrees, and others as they stand, by column, (R,) each.
     vehicle
-        The vehicle of each row, where there are several: the first one's rows are looked at.
+        The vehicle of each row, where there are several.
     """
-    rows = Rows(np.arange(t_s.size), {**si, "t_s": t_s})
+    rows = Rows(np.arange(t_s.size), {**columns, "t_s": t_s})
     if vehicle is not None:
         rows = rows.taken(np.array(vehicle) == vehicle[0])
-    if "latitude_deg" in si:
-        place = rows.columns
-        rows = located(rows, Origin(float(place["latitude_deg"][0]), float(place["longitude_deg"][0])))
+    if columns.keys() >= {*LOCAL}:
+        return rows
+    if not columns.keys() >= {*GEODETIC}:
+        return None
+    place = rows.columns
+    latitude, longitude = place[GEODETIC[0]], place[GEODETIC[1]]
+    if not (np.abs(latitude) <= _POLE_DEG).all() or not np.isfinite(longitude).all():
+        return None
+    return located(rows, Origin(float(latitude[0]), float(longitude[0])))
+
+
+def guessed_speed(rows: Rows) -> str | None:
+    """Return the meaning of a speed column whose numbers are not in m/s, None where they may be.
+
+    Parameters
+    ----------
+    rows
+        Rows of one vehicle with ``speed_mps`` as if it were in m/s.
+    """
     told = speed_unit(rows)
     return None if told is None else told[0]
 
 
-def guessed_heading(values: FloatArray) -> str:
-    """Return the meaning of a column of headings, by how large they are.
+def guessed_heading(values: FloatArray, rows: Rows | None = None) -> str:
+    """Return the meaning of a column of headings, by how large they are and how the vehicle moves.
+
+    Parameters
+    ----------
+    values
+        The column, (R,).
+    rows
+        Rows of one vehicle with positions and ``angle``, what the column says there.
 
     Examples
     --------
@@ -106,4 +132,8 @@ def guessed_heading(values: FloatArray) -> str:
     >>> guessed_heading(np.array([0.0, 90.0])), guessed_heading(np.array([-1.0, 3.0]))
     ('heading_deg', 'heading_rad')
     """
-    return "heading_deg" if (np.abs(values) > _CIRCLE_RAD).any() else "heading_rad"
+    usual = "heading_deg" if (np.abs(values) > _CIRCLE_RAD).any() else "heading_rad"
+    if rows is None:
+        return usual
+    position_m = np.stack([rows.columns["east_m"], rows.columns["north_m"]], axis=1)
+    return better_meaning(usual, rows.columns["angle"], position_m) or usual

@@ -42,7 +42,7 @@ doi:10.21949/1504477 (its table of columns).
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import ClassVar
@@ -50,11 +50,11 @@ from typing import ClassVar
 import numpy as np
 
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import OnSkipped, Tally, ignore_skipped
 from modelcast.io.gathered_trips import TripRows, UsableRows, trips_of
 from modelcast.io.gathering import Gathered, gathered
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.keyed_text import KeyedText, TextKey
-from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows
 from modelcast.io.table_layout import is_number
 from modelcast.io.text_head import file_head, first_lines, split_fields
@@ -82,16 +82,9 @@ _YEARS_MS = (1.0e12, 1.3e12)
 
 
 @dataclass(frozen=True, slots=True)
-class NgsimReader(AbstractTripReader):
-    """Reads NGSIM trajectories; the module's docstring has the columns and the repairs.
+class NgsimReader(AbstractHoldingReader):
+    """Reads NGSIM trajectories; the module's docstring has the columns and the repairs."""
 
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that may be gathered at a time.
-    """
-
-    held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "ngsim"
     streams: ClassVar[bool] = True
 
@@ -99,10 +92,6 @@ class NgsimReader(AbstractTripReader):
         """Return whether the first line is the header, or a row of the original files."""
         del path
         return _layout(first_lines(head)) is not None
-
-    def within(self, held_bytes: int) -> "NgsimReader":
-        """Return the reader with another limit."""
-        return replace(self, held_bytes=held_bytes)
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per vehicle and period."""

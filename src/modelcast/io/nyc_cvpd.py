@@ -35,8 +35,9 @@ import numpy as np
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.bsm_values import available
 from modelcast.io.packed import recording_stem
-from modelcast.io.rows import LARGEST, Rows, make_trip, ordered, with_missing
+from modelcast.io.rows import LARGEST, Rows, make_trip, ordered
 from modelcast.trips.trajectory import Trajectory
 
 __all__ = ["MOST_BYTES", "Event", "NycCvpdReader", "event_number", "read_event"]
@@ -83,16 +84,15 @@ def _usable(rows: Rows, tally: Tally) -> Rows:
     unplaced = np.isnan(rows.columns["X_m"] + rows.columns["Y_m"])
     rows = rows.without(unplaced, "position missing", tally)
     raw = rows.columns
-    heading = with_missing(raw["heading_deg"], raw["heading_deg"] >= 360.0)
     columns = {
         "t_s": raw["T_s"],
         "east_m": raw["X_m"],
         "north_m": raw["Y_m"],
         "up_m": raw["Z_m"],
-        "speed_mps": with_missing(raw["speed_mps"], raw["speed_mps"] >= 163.815),
-        "heading_rad": wrap_angle_rad(np.radians(heading)),
-        "acceleration_mps2": with_missing(raw["long_mpss"], np.abs(raw["long_mpss"]) >= 20.005),
-        "yaw_rate_radps": np.radians(with_missing(raw["yaw_dps"], np.abs(raw["yaw_dps"]) >= 327.665)),
+        "speed_mps": available("speed_mps", raw["speed_mps"]),
+        "heading_rad": wrap_angle_rad(np.radians(available("heading_rad", raw["heading_deg"]))),
+        "acceleration_mps2": available("acceleration_mps2", raw["long_mpss"]),
+        "yaw_rate_radps": np.radians(available("yaw_rate_radps", raw["yaw_dps"])),
     }
     return ordered(Rows(rows.line, columns), tally)
 

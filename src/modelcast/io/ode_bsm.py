@@ -41,18 +41,18 @@ codes (plugin j2735, builders). SAE J2735, DF_BSMcoreData.
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, cast
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.rules import is_clean, shown
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import OnSkipped, Tally, ignore_skipped
 from modelcast.io.bsm_trips import AbstractBsmLog, BsmRow, bsm_trips
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.json_records import JsonRecords
 from modelcast.io.log_stamps import LogClock
 from modelcast.io.packed import recording_stem
-from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import LARGEST
 from modelcast.trips.trajectory import Trajectory
 
@@ -77,16 +77,9 @@ _REMEDY = "Rows count the objects of the file; correct or remove this one."
 
 
 @dataclass(frozen=True, slots=True)
-class OdeBsmReader(AbstractTripReader):
-    """Reads OdeBsmJson; the module's docstring has the fields and the repairs.
+class OdeBsmReader(AbstractHoldingReader):
+    """Reads OdeBsmJson; the module's docstring has the fields and the repairs."""
 
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that may be gathered at a time.
-    """
-
-    held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "ode-bsm"
     streams: ClassVar[bool] = True
 
@@ -96,10 +89,6 @@ class OdeBsmReader(AbstractTripReader):
         start = head.removeprefix(b"\xef\xbb\xbf").lstrip()
         words = (b'"metadata"', b'"payload"', b'"coreData"')
         return start.startswith((b"{", b"[")) and all(word in head for word in words)
-
-    def within(self, held_bytes: int) -> "OdeBsmReader":
-        """Return the reader with another limit."""
-        return replace(self, held_bytes=held_bytes)
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per temporary id, in the order in which they appear."""

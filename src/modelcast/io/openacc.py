@@ -50,6 +50,7 @@ from modelcast.io.rows import Rows, joined, located, make_trip
 from modelcast.io.text_blocks import number_column, read_blocks
 from modelcast.io.text_head import first_lines, split_fields
 from modelcast.trips.trajectory import Trajectory
+from modelcast.trips.understood import Understood
 from modelcast.world.scenario.recorded import Replay, make_replay
 
 __all__ = ["OpenAccReader", "read_platoon"]
@@ -111,7 +112,7 @@ def _trips_on_one_clock(path: str, on_skipped: OnSkipped) -> Iterator[Trajectory
     """Yield a trip per car, with the file's time of its first sample as `start_unix_s`."""
     layout = openacc_layout(path)
     stem = recording_stem(path)
-    cars, partial = _cars(path, layout)
+    cars, partial, understood = _cars(path, layout)
     frame = _frame(cars, absolute=layout.height == "altitude_m")
     for number, name in enumerate(layout.names, start=1):
         if number not in cars:
@@ -119,6 +120,7 @@ def _trips_on_one_clock(path: str, on_skipped: OnSkipped) -> Iterator[Trajectory
             on_skipped(f"{stem}/{name}", f"named in Vehicle_order but without {lacks}")
             continue
         rows, tally = cars[number], Tally()
+        tally.understand(understood)
         tally.skip("partial last line", int(partial))
         count = len(rows) + int(partial)
         rows = rows.without(np.isnan(rows.columns["t_s"]), "time missing", tally)
@@ -139,8 +141,8 @@ def _trips_on_one_clock(path: str, on_skipped: OnSkipped) -> Iterator[Trajectory
             yield trip
 
 
-def _cars(path: str, layout: Layout) -> tuple[dict[int, Rows], bool]:
-    """Return every car's rows, angles in degrees, and whether the last line is cut."""
+def _cars(path: str, layout: Layout) -> tuple[dict[int, Rows], bool, Understood]:
+    """Return every car's rows, angles in degrees, whether the last line is cut, and what was understood."""
     parts: dict[int, list[Rows]] = {number: [] for number in layout.cars}
     time = layout.header.index("Time")
     wanted = [time, *(place for fields in layout.cars.values() for place in fields.values())]
@@ -162,10 +164,18 @@ def _cars(path: str, layout: Layout) -> tuple[dict[int, Rows], bool]:
         raise DataFormatError(
             path, "no rows after the header", row=layout.line, remedy="Check that it is complete."
         )
-    return {
-        number: _in_degrees(path, _with_height(joined(pieces), layout.height), geodetic=layout.geodetic)
-        for number, pieces in parts.items()
-    }, partial
+    raw = {number: _with_height(joined(pieces), layout.height) for number, pieces in parts.items()}
+    cars = {number: _in_degrees(path, rows, geodetic=layout.geodetic) for number, rows in raw.items()}
+    return cars, partial, _understood(raw, geodetic=layout.geodetic)
+
+
+def _understood(raw: dict[int, Rows], *, geodetic: bool) -> Understood:
+    """Return which of the two positions is used, and the unit of angles that their numbers tell."""
+    placed = [rows.columns for rows in raw.values() if set(GEODETIC) <= rows.columns.keys()]
+    radians = any(_are_radians(dict(columns)) for columns in placed)
+    angles = f"Lat and Lon in {'radians' if radians else 'degrees'}, told by their size or motion"
+    plane = "" if geodetic else "E and N in metres"
+    return Understood(notes={"position": "; ".join(filter(None, (plane, angles if placed else "")))})
 
 
 def _with_height(rows: Rows, name: str | None) -> Rows:

@@ -23,9 +23,9 @@ import pyarrow.parquet as pq
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.arrow_trips import PART_ROWS, ArrowTable, is_text
-from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
+from modelcast.io.base import OnSkipped, ignore_skipped
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.parquet_guard import require_modest_footer, require_modest_pages
-from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.table_trips import table_trips
 from modelcast.trips.trajectory import Trajectory
 
@@ -37,19 +37,16 @@ _BUFFER_BYTES = 2**20
 
 
 @dataclass(frozen=True, slots=True)
-class ParquetReader(AbstractTripReader):
+class ParquetReader(AbstractHoldingReader):
     """Reads Parquet tables.
 
     Parameters
     ----------
     columns
         Column names by meaning; names are detected where it is None.
-    held_bytes
-        Octets of numbers that may be gathered at a time.
     """
 
     columns: Mapping[str, str] | None = None
-    held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "parquet"
 
     def matches(self, path: Path, head: bytes) -> bool:
@@ -60,10 +57,6 @@ class ParquetReader(AbstractTripReader):
     def with_columns(self, columns: Mapping[str, str]) -> "ParquetReader":
         """Return the reader with the user's column names."""
         return replace(self, columns=dict(columns))
-
-    def within(self, held_bytes: int) -> "ParquetReader":
-        """Return the reader with another limit."""
-        return replace(self, held_bytes=held_bytes)
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per vehicle, as `modelcast.io.gathering` gathers them."""

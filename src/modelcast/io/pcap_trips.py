@@ -27,12 +27,13 @@ from typing import ClassVar
 import numpy as np
 
 from modelcast.core.geodesy import Origin
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import OnSkipped, Tally, ignore_skipped
+from modelcast.io.bsm_values import CORE_COLUMNS
 from modelcast.io.captured import Captured, CapturedMessage
 from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.packed import recording_stem
 from modelcast.io.pcap import is_capture
-from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, located, make_trip, ordered
 from modelcast.io.spmd import valid_position
 from modelcast.trips.trajectory import Trajectory
@@ -40,18 +41,9 @@ from modelcast.trips.trajectory import Trajectory
 __all__ = ["PcapReader"]
 
 _BLOCK_MESSAGES = 20_000
-_COLUMNS = {
-    "latitude_deg": "latitude_deg",
-    "longitude_deg": "longitude_deg",
-    "altitude_m": "elevation_m",
-    "speed_mps": "speed_mps",
-    "heading_rad": "heading_rad",
-    "acceleration_mps2": "acceleration_forward_mps2",
-    "yaw_rate_radps": "yaw_rate_radps",
-}
 
 
-class PcapReader(AbstractTripReader):
+class PcapReader(AbstractHoldingReader):
     """Reads captures; the module's docstring has the fields and what is skipped."""
 
     name: ClassVar[str] = "pcap"
@@ -61,17 +53,10 @@ class PcapReader(AbstractTripReader):
         del path
         return is_capture(head)
 
-    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
-        self._held_bytes = held_bytes
-
-    def within(self, held_bytes: int) -> "PcapReader":
-        """Return the reader with another limit."""
-        return PcapReader(held_bytes)
-
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per temporary id, as `modelcast.io.gathering` gathers them."""
         capture = _CapturedRows(path)
-        trips = gathered(capture, self._held_bytes)
+        trips = gathered(capture, self.held_bytes)
         found = next(trips, None)
         for told in capture.told:
             on_skipped(recording_stem(path), told)
@@ -97,7 +82,7 @@ class _CapturedRows(AbstractKeyedRows[int]):
     @property
     def columns(self) -> int:
         """Time and what a trip takes."""
-        return 1 + len(_COLUMNS)
+        return 1 + len(CORE_COLUMNS)
 
     def called(self, key: int) -> str:
         """``<stem>/<id>``."""
@@ -119,7 +104,7 @@ class _CapturedRows(AbstractKeyedRows[int]):
 
 def _rows(messages: Sequence[CapturedMessage]) -> Rows:
     values = [message.core.values() for message in messages]
-    columns = {name: np.array([_number(one[of]) for one in values]) for name, of in _COLUMNS.items()}
+    columns = {name: np.array([_number(one[of]) for one in values]) for name, of in CORE_COLUMNS.items()}
     t_s = np.array([_number(message.t_s) for message in messages])
     return Rows(np.array([message.number for message in messages], dtype=np.int64), {"t_s": t_s, **columns})
 

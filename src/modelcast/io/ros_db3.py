@@ -22,14 +22,14 @@ github.com/ros2/rosbag2, rosbag2_storage_sqlite3.
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.rules import shown
-from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
-from modelcast.io.reading_limits import HELD_BYTES
+from modelcast.io.base import OnSkipped, ignore_skipped
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.ros_bags import AbstractBag, BagMessage, bag_trips
 from modelcast.io.ros_messages import MESSAGES, message_name
 from modelcast.trips.trajectory import Trajectory
@@ -51,25 +51,14 @@ _MOST_TOPICS = 65_536
 
 
 @dataclass(frozen=True, slots=True)
-class RosDb3Reader(AbstractTripReader):
-    """Reads SQLite files of rosbag2.
+class RosDb3Reader(AbstractHoldingReader):
+    """Reads SQLite files of rosbag2."""
 
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that may be gathered at a time.
-    """
-
-    held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "ros2-db3"
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether this is SQLite, with a bag's name or schema at its beginning."""
         return head.startswith(_MAGIC) and (path.suffix == ".db3" or b"serialization_format" in head)
-
-    def within(self, held_bytes: int) -> "RosDb3Reader":
-        """Return the reader with another limit."""
-        return replace(self, held_bytes=held_bytes)
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per topic."""

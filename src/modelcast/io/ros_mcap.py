@@ -7,13 +7,13 @@ What ``modelcast node`` records is an MCAP too, but no bag: it is for ``modelcas
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from modelcast.io.base import AbstractTripReader, OnSkipped, ignore_skipped
+from modelcast.io.base import OnSkipped, ignore_skipped
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.mcap_records import MAGIC, McapFile
-from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.ros_bags import AbstractBag, BagMessage, bag_trips
 from modelcast.trips.trajectory import Trajectory
 
@@ -21,26 +21,15 @@ __all__ = ["RosMcapReader"]
 
 
 @dataclass(frozen=True, slots=True)
-class RosMcapReader(AbstractTripReader):
-    """Reads MCAP files of ROS 2.
+class RosMcapReader(AbstractHoldingReader):
+    """Reads MCAP files of ROS 2."""
 
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that may be gathered at a time.
-    """
-
-    held_bytes: int = HELD_BYTES
     name: ClassVar[str] = "ros2-mcap"
 
     def matches(self, path: Path, head: bytes) -> bool:
         """Return whether it begins as an MCAP."""
         del path
         return head.startswith(MAGIC)
-
-    def within(self, held_bytes: int) -> "RosMcapReader":
-        """Return the reader with another limit."""
-        return replace(self, held_bytes=held_bytes)
 
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per topic."""

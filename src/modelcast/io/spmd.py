@@ -14,11 +14,11 @@ import numpy as np
 from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
-from modelcast.io.base import AbstractTripReader, OnSkipped, Tally, ignore_skipped
+from modelcast.io.base import OnSkipped, Tally, ignore_skipped
 from modelcast.io.gathering import AbstractKeyedRows, Gathered, KeyedBlock, gathered
+from modelcast.io.holding import AbstractHoldingReader
 from modelcast.io.keyed_text import block_keys
 from modelcast.io.packed import recording_stem
-from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import Rows, located, make_trip, ordered, with_missing
 from modelcast.io.text_blocks import Block, number_column, read_blocks
 from modelcast.io.text_head import file_head, first_lines, rows_expected, split_fields
@@ -187,19 +187,10 @@ def open_spmd(path: str, layout: SpmdLayout) -> SpmdFile:
     return SpmdFile(path, layout, at, layout.counts | {len(fields)}, 1)
 
 
-class AbstractSpmdReader(AbstractTripReader):
-    """Reads files of one layout, in bounded memory; see the module's docstring.
-
-    Parameters
-    ----------
-    held_bytes
-        Octets of numbers that may be gathered at a time.
-    """
+class AbstractSpmdReader(AbstractHoldingReader):
+    """Reads files of one layout, in bounded memory; see the module's docstring."""
 
     streams = True
-
-    def __init__(self, held_bytes: int = HELD_BYTES) -> None:
-        self._held_bytes = held_bytes
 
     @property
     @abc.abstractmethod
@@ -221,14 +212,10 @@ class AbstractSpmdReader(AbstractTripReader):
             for line in lines
         )
 
-    def within(self, held_bytes: int) -> "AbstractSpmdReader":
-        """Return the reader with another limit."""
-        return type(self)(held_bytes)
-
     def read(self, path: str, on_skipped: OnSkipped = ignore_skipped) -> Iterator[Trajectory]:
         """Yield a trip per key of the layout, as `modelcast.io.gathering` gathers them."""
         rows = _SpmdRows(open_spmd(path, self.layout))
-        for found in gathered(rows, self._held_bytes):
+        for found in gathered(rows, self.held_bytes):
             trip = _trip(rows, found, on_skipped)
             if trip is not None:
                 yield trip

@@ -38,17 +38,12 @@ import numpy as np
 
 from modelcast.core.geodesy import wrap_angle_rad
 from modelcast.io.base import Tally
+from modelcast.io.bsm_values import available
 from modelcast.io.rows import Rows, with_missing
 from modelcast.io.spmd import AbstractSpmdReader, Key, SpmdLayout, valid_position
 
 __all__ = ["BSM_LAYOUT", "SpmdBsmReader"]
 
-SPEED_UNAVAILABLE_MPS = 163.82
-"""J2735 DE_Speed 8191 at 0.02 m/s."""
-HEADING_UNAVAILABLE_DEG = 360.0
-"""J2735 DE_Heading 28800 at 0.0125 deg."""
-ACCELERATION_UNAVAILABLE_MPS2 = 20.01
-"""J2735 DE_Acceleration 2001 at 0.01 m/s²."""
 YAW_RATE_LIMIT_DEGPS = 100.0
 """No car turns faster; 254 and 324 deg/s occur at launch from rest, 327.67 is J2735's unavailable."""
 
@@ -69,7 +64,6 @@ def _usable(rows: Rows, tally: Tally) -> Rows:
     raw = rows.columns
     wild = np.abs(raw["Yawrate"]) > YAW_RATE_LIMIT_DEGPS
     tally.repair("yaw rate implausible", int(wild.sum()))
-    heading = with_missing(raw["Heading"], raw["Heading"] >= HEADING_UNAVAILABLE_DEG)
     return Rows(
         rows.line,
         {
@@ -77,11 +71,9 @@ def _usable(rows: Rows, tally: Tally) -> Rows:
             "latitude_deg": raw["Latitude"],
             "longitude_deg": raw["Longitude"],
             "altitude_m": raw["Elevation"],
-            "speed_mps": with_missing(raw["Speed"], raw["Speed"] >= SPEED_UNAVAILABLE_MPS - 0.005),
-            "heading_rad": wrap_angle_rad(np.radians(heading)),
-            "acceleration_mps2": with_missing(
-                raw["Ax"], np.abs(raw["Ax"]) >= ACCELERATION_UNAVAILABLE_MPS2 - 0.005
-            ),
+            "speed_mps": available("speed_mps", raw["Speed"]),
+            "heading_rad": wrap_angle_rad(np.radians(available("heading_rad", raw["Heading"]))),
+            "acceleration_mps2": available("acceleration_mps2", raw["Ax"]),
             "yaw_rate_radps": np.radians(with_missing(raw["Yawrate"], wild)),
         },
     )

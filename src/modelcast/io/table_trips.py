@@ -7,7 +7,7 @@ with such a position are skipped and counted; such values of other columns are m
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -16,18 +16,21 @@ import polars as pl
 
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
-from modelcast.core.geodesy import Origin, wrap_angle_rad
-from modelcast.io.angle_check import refuse_degrees, refuse_other_angles, refuse_radians
+from modelcast.core.geodesy import Origin
+from modelcast.io.angle_check import refuse_other_angles
 from modelcast.io.base import OnSkipped, Tally
 from modelcast.io.column_map import ColumnMap
 from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered, numbered
-from modelcast.io.map_grid import counted_from, near_origin_m
+from modelcast.io.heading_check import heading_si
+from modelcast.io.map_grid import counted_from, near_origin_m, refuse_earth_centred
 from modelcast.io.packed import recording_stem
 from modelcast.io.reading_limits import HELD_BYTES
 from modelcast.io.rows import OPTIONAL, Rows, are_unknown_to_sumo, located, make_trip, with_missing
-from modelcast.io.time_column import TimeUnit
-from modelcast.io.unit_check import refuse_long_steps, refuse_other_speed, refuse_other_unit
+from modelcast.io.table_checks import check_units, checked_heading
+from modelcast.io.table_notes import understood
+from modelcast.io.time_column import TimeUnit, over_midnight
 from modelcast.trips.trajectory import Trajectory
+from modelcast.trips.understood import Understood
 
 __all__ = ["OFF_ROAD", "AbstractTable", "TablePart", "table_trips"]
 
@@ -35,11 +38,21 @@ OFF_ROAD = "off the road (SUMO's -1073741824)"
 """Why a row without a position in SUMO's traffic is skipped."""
 
 _SORT = "Sort the file by vehicle and time and leave one row per time."
-_SEVERAL = "If it holds several vehicles, say which column names them: --columns vehicle=NAME."
+_SEVERAL = "If it holds several vehicles, say which column names them: --columns vehicle={name}."
+_UNNAMED = "If it holds several vehicles, add a column that names them."
 
 _POSITION = ("east_m", "north_m", "latitude_deg", "longitude_deg")
 _NOT_KNOWN = -np.inf
 """What stands for SUMO's sentinel in columns of SI units."""
+
+_STAND_INS = (-999.0, -9999.0, -99999.0)
+"""What loggers write for an angle or a height that they do not know: none is one of a road."""
+_STOOD_IN = np.inf
+"""What stands for these in columns of SI units."""
+_STOOD_FOR = ("latitude_deg", "longitude_deg", "altitude_m", "heading_rad")
+POSITION_STOOD_FOR = "position not known (-999)"
+
+_NEXT_DAY = "time of day taken as of the next day"
 
 _CONSTANTS = ("origin_latitude_deg", "origin_longitude_deg", "origin_altitude_m", "start_unix_s")
 _ONLY = "vehicle"
@@ -83,6 +96,9 @@ class AbstractTable(ABC):
     recoded: str = ""
     """What the trips' counts say of an encoding that is not the usual one."""
 
+    written: str = ""
+    """How its text is written, in words; empty where its columns are typed."""
+
     counts_rows: ClassVar[bool] = False
     """Whether `rows_expected` is exact."""
 
@@ -99,6 +115,10 @@ class AbstractTable(ABC):
     @abstractmethod
     def rows_expected(self) -> int | None:
         """About how many rows it has, None where only reading tells."""
+
+    @abstractmethod
+    def first_cells(self) -> Mapping[str, Sequence[str]]:
+        """Return the first rows as text, by column: those read, and those not read that may be shown."""
 
     @abstractmethod
     def parts(self, *, whole: bool) -> Iterator[TablePart]:
@@ -131,8 +151,14 @@ def table_trips(
         Octets of numbers that may be gathered at a time.
     """
     rows = _TableRows(table)
+    taken: Understood | None = None
     for found in gathered(rows, held_bytes):
         tally = Tally()
+        taken = taken or understood(
+            table.found, table.first_cells() if table.found.unused else {}, table.time,
+            written=table.written, far_m=rows.far_m,
+        )  # fmt: skip
+        tally.understand(taken)
         tally.skip("partial last line", int(found.partial))
         if table.recoded:
             tally.repair(table.recoded, len(found.rows))
@@ -142,12 +168,21 @@ def table_trips(
             count=len(found.rows) + int(found.partial), time=table.time,
             shared_origin=rows.origin, far_m=rows.far_m, one_clock=rows.one_clock,
             vehicle=rows.vehicle(found.key), found=table.found,
-            unsorted=_SORT if table.found.label else f"{_SORT} {_SEVERAL}",
+            unsorted=_unsorted(table.found, taken),
         )  # fmt: skip
         if trip is None:
             on_skipped(trip_id, tally.why_empty())
         else:
             yield trip
+
+
+def _unsorted(found: ColumnMap, taken: Understood) -> str:
+    """Return what to do where time does not increase."""
+    if found.label:
+        return _SORT
+    if not found.unused:
+        return f"{_SORT} {_UNNAMED}"
+    return f"{_SORT} {_SEVERAL.format(name=taken.suggested.get('vehicle', 'NAME'))}"
 
 
 class _TableRows(AbstractKeyedRows[str]):
@@ -231,9 +266,15 @@ class _TableRows(AbstractKeyedRows[str]):
         for fills, (_, factor) in self._table.found.numbers.items():
             if fills == "t_s":
                 continue
-            column = columns[fills] * factor if factor != 1.0 else columns[fills]
+            column = columns[fills]
+            if fills == "heading_rad":
+                column = heading_si(column, factor)
+            elif factor != 1.0:
+                column = column * factor
             unknown = are_unknown_to_sumo(columns[fills])
-            columns[fills] = np.where(unknown, _NOT_KNOWN, column) if unknown.any() else column
+            column = np.where(unknown, _NOT_KNOWN, column) if unknown.any() else column
+            stood_in = np.isin(columns[fills], _STAND_INS) if fills in _STOOD_FOR else unknown[:0]
+            columns[fills] = np.where(stood_in, _STOOD_IN, column) if stood_in.any() else column
         places = [name for name in _POSITION if name in columns]
         off = np.any([np.isneginf(columns[name]) for name in places], axis=0)
         if off.any():
@@ -264,13 +305,15 @@ def _trip(
     columns = rows.columns
     geodetic = "latitude_deg" in columns
     x, y = ("latitude_deg", "longitude_deg") if geodetic else ("east_m", "north_m")
-    rows = rows.without(np.isneginf(columns[x]), OFF_ROAD, tally)
+    rows = rows.without(np.isposinf(columns[x]) | np.isposinf(columns[y]), POSITION_STOOD_FOR, tally)
+    rows = rows.without(np.isneginf(rows.columns[x]), OFF_ROAD, tally)
     rows = rows.without(np.isnan(rows.columns["t_s"]), "time blank", tally)
     rows = rows.without(np.isnan(rows.columns[x] + rows.columns[y]), "position blank", tally)
     if not len(rows):
         return None
+    columns = rows.columns
     constant = {name: float(columns[name][0]) for name in _CONSTANTS if name in columns}
-    rows = _known_to_sumo(rows, tally)
+    rows = _known(rows, tally)
     if time.told:
         tally.repair(time.told, len(rows))
     if geodetic and shared_origin is not None:
@@ -278,24 +321,18 @@ def _trip(
         rows = located(rows, shared_origin)
     else:
         origin = _own_origin(constant)
-        rows = rows if far_m is None else counted_from(rows, far_m, tally)
+        if far_m is not None:
+            refuse_earth_centred(path, rows, found.numbers["east_m"][0])
+            rows = counted_from(rows, far_m, tally)
     if "heading_rad" in columns:
-        name, factor = found.numbers["heading_rad"]
-        if factor == 1.0:
-            refuse_degrees(path, rows, name)
-        rows = rows.having(heading_rad=_wrapped(rows.columns["heading_rad"]))
+        rows = checked_heading(path, rows, found)
     unix = 0.0 if time.unix else constant.get("start_unix_s", np.nan)
-    raw_t = rows.columns["t_s"]
+    raw_t = over_midnight(rows.columns["t_s"], time)
+    tally.repair(_NEXT_DAY, int((raw_t != rows.columns["t_s"]).sum()))
     # Small units are often Unix times, which as seconds in float64 lose their last digits.
     start = float(raw_t[0]) if time.unit_s != 1.0 else 0.0
     rows = rows.having(t_s=(raw_t - start) * time.unit_s)
-    if time.assumed:
-        refuse_other_unit(path, rows, time.assumed)
-        refuse_long_steps(path, rows, time.assumed)
-    if found.speed_assumed:
-        refuse_other_speed(path, rows, found.speed_assumed)
-    if geodetic and not found.degrees_stated:
-        refuse_radians(path, rows, (found.numbers["latitude_deg"][0], found.numbers["longitude_deg"][0]))
+    check_units(path, rows, time, found)
     return make_trip(
         path,
         trip_id,
@@ -311,20 +348,15 @@ def _trip(
     )
 
 
-def _known_to_sumo(rows: Rows, tally: Tally) -> Rows:
-    """Return the rows with optional values that were SUMO's sentinel blank, counted as repaired."""
+def _known(rows: Rows, tally: Tally) -> Rows:
+    """Return the rows with optional values blank for which something stood, counted as repaired."""
     for name, word in (*OPTIONAL.items(), ("altitude_m", "altitude")):
-        unknown = np.isneginf(rows.columns.get(name, np.zeros(0)))
-        if unknown.any():
-            tally.repair(f"{word} not known (SUMO's -1073741824)", int(unknown.sum()))
-            rows = rows.having(**{name: with_missing(rows.columns[name], unknown)})
+        column = rows.columns.get(name, np.zeros(0))
+        for unknown, said in ((np.isneginf(column), "SUMO's -1073741824"), (np.isposinf(column), "-999")):
+            if unknown.any():
+                tally.repair(f"{word} not known ({said})", int(unknown.sum()))
+                rows = rows.having(**{name: with_missing(rows.columns[name], unknown)})
     return rows
-
-
-def _wrapped(heading_rad: FloatArray) -> FloatArray:
-    """Return headings in [-pi, pi), those already there to the bit."""
-    inside = (heading_rad >= -np.pi) & (heading_rad < np.pi)
-    return np.where(inside, heading_rad, wrap_angle_rad(heading_rad))
 
 
 def _first_origin(rows: Rows) -> Origin | None:

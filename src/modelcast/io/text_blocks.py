@@ -41,6 +41,8 @@ _MOST_LINE_BYTES = 2**26
 
 _NEWLINE = ord("\n")
 _BLANK = ("", "NULL")
+_HEMISPHERE = re.compile(r"[NSEWO]?\s*\d[^NSEWO]*[°'\"NSEWO].*|[NSEWO]\s*\d.*", re.DOTALL)
+_AS_DEGREES = "Write degrees as a decimal number, as 48.1173, negative where they are south or west."
 _BLANKS_AROUND = re.compile(rb"^[ \t]+|[ \t]+(?=\0?$)", re.MULTILINE)
 _BLANKS_BETWEEN = re.compile(rb"[ \t]+")
 
@@ -275,7 +277,15 @@ def text_column(block: Block, field: int) -> pl.Series:
     return text.set(text.is_in(_BLANK), None)
 
 
-def number_column(path: str, block: Block, field: int, name: str, *, decimal: str = ".") -> FloatArray:
+def number_column(
+    path: str,
+    block: Block,
+    field: int,
+    name: str,
+    *,
+    decimal: str = ".",
+    missing: Collection[str] = (),
+) -> FloatArray:
     """Return a field as numbers, NaN where it is blank, (R,).
 
     Parameters
@@ -284,6 +294,8 @@ def number_column(path: str, block: Block, field: int, name: str, *, decimal: st
         The column, and its name in errors.
     decimal
         The one mark of decimals: a number with the other one is an error.
+    missing
+        Words in lower case that are as blank.
 
     Raises
     ------
@@ -299,12 +311,17 @@ def number_column(path: str, block: Block, field: int, name: str, *, decimal: st
     values = plain.cast(pl.Float64, strict=False)
     numbers = values.fill_null(np.nan).to_numpy()
     bad = ~are_numbers(numbers) & text.is_not_null().to_numpy()
+    if missing and bad.any():
+        blank = text.str.to_lowercase().is_in(list(missing)).fill_null(value=False).to_numpy()
+        numbers, bad = np.where(blank, np.nan, numbers), bad & ~blank
     if bad.any():
         at = int(np.argmax(bad))
         raise DataFormatError(
             path,
             f"{name} is {text[at]!r}, not a finite number",
             row=int(block.line[at]),
-            remedy="Correct the value, or leave the cell blank where it is not known.",
+            remedy=_AS_DEGREES
+            if _HEMISPHERE.fullmatch(str(text[at]))
+            else "Correct the value, or leave the cell blank where it is not known.",
         )
     return np.array(numbers, dtype=np.float64)

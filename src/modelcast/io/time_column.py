@@ -7,9 +7,10 @@ The first known value decides, and every other value has to agree with it.
 - Where none is stated (``t``, ``time``) numbers are seconds, except those that as seconds would be over
   `LONGEST_S`: these are Unix times in ms, µs or ns, by their size, and the trip's counts say so.
 - Text is a date and a time of day, ``2024-03-15T10:00:00.100Z``: ``T`` or a blank between them, ``-`` or
-  ``/`` in the date, up to nine decimals, a zone (``Z``, ``UTC``, ``+01:00``) in every row or in none. Without
-  a zone the trip has no absolute time. The date may be left out in every row: such times are counted from
-  the first, and do not run over midnight.
+  ``/`` in the date, up to nine decimals, ``AM`` or ``PM``, a zone (``Z``, ``UTC``, ``+01:00``) in every row
+  or in none. Without a zone the trip has no absolute time. ``15.03.2024`` has the day first wherever it is
+  written; ``3/4/2024`` has to be mapped, as ``t_dmy`` or ``t_mdy``. The date may be left out in every row:
+  such times are counted from the first, and `over_midnight` takes them into the next day.
 
 Whole numbers are taken from the first before they become float64, so that nanoseconds keep their digits.
 """
@@ -23,7 +24,7 @@ import polars as pl
 from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 
-__all__ = ["LONGEST_S", "TimeColumn", "TimeUnit", "holds_dates", "holds_times"]
+__all__ = ["LONGEST_S", "TimeColumn", "TimeUnit", "holds_dates", "holds_times", "over_midnight"]
 
 LONGEST_S = 1e11
 """No time of any recording is longer [s]; Unix milliseconds of any year after 1973 are."""
@@ -37,14 +38,19 @@ _LARGEST_WHOLE = 2**62
 _UNIX_UNITS = ((1e17, 1e-9, "nanoseconds"), (1e14, 1e-6, "microseconds"), (0.0, 1e-3, "milliseconds"))
 _WORDS = {1e-3: "t_ms", 1e-6: "t_us", 1e-9: "t_ns"}
 _ISO = (
-    r"^(?:(\d{4})[-/](\d\d)[-/](\d\d)[Tt ]+)?(\d\d?):(\d\d):(\d\d)(?:[.,](\d{1,9}))?"
-    r" ?(?:([Zz]|UTC)|([+-])(\d\d):?(\d\d)?)?$"
+    r"^(?:(\d{4})[-/](\d\d?)[-/](\d\d?)[Tt, ]+)?(\d\d?):(\d\d):(\d\d)(?:[.,](\d{1,9}))?"
+    r"(?: ?([AaPp])[Mm])? ?(?:([Zz]|UTC)|([+-])(\d\d):?(\d\d)?)?$"
 )
+_DOTTED = (r"^(\d\d?)\.(\d\d?)\.(\d{4})[Tt, ]", "$3-$2-$1 ")
+_YEAR_LAST = r"^(\d\d?)[/-](\d\d?)[/-](\d{4})[Tt, ]"
+_YEAR_FIRST = {True: "$3-$2-$1 ", False: "$3-$1-$2 "}
+"""The same date with its year first, by whether the day comes first."""
 _NANO = 10**9
+_DAY_S = 86400
 _CLOCK, _DATED, _ZONED = range(3)
 _KINDS = ("a time of day without a date", "a date and time without a zone", "a date and time with a zone")
+_ORDERS = {None: "", True: ", the day first", False: ", the month first"}
 _AS_ISO = "Write it as seconds, or as 2024-03-15T10:00:00.100Z."
-_DAY_FIRST = re.compile(r"(\d\d?)([./-])(\d\d?)\2(\d{4})\b.*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +69,10 @@ class TimeUnit:
         What the trip's counts say about it; empty where the file states the unit itself.
     assumed
         The column's name where nothing states that it holds seconds, else empty.
+    text
+        What the cells are in words, where they are no numbers.
+    clock
+        Whether they are times of day, which begin anew at midnight.
     """
 
     unit_s: float
@@ -70,6 +80,8 @@ class TimeUnit:
     unix: bool = False
     told: str = ""
     assumed: str = ""
+    text: str = ""
+    clock: bool = False
 
 
 class TimeColumn:
@@ -85,10 +97,22 @@ class TimeColumn:
         Whether the name or the map states that unit.
     decimal
         The mark of decimals.
+    day_first
+        Whether dates with their year last begin with the day, or with the month; None where nobody says.
     """
 
-    def __init__(self, path: str, name: str, unit_s: float, *, stated: bool, decimal: str = ".") -> None:
+    def __init__(
+        self,
+        path: str,
+        name: str,
+        unit_s: float,
+        *,
+        stated: bool,
+        decimal: str = ".",
+        day_first: bool | None = None,
+    ) -> None:
         self._path, self._name, self._stated, self._decimal = path, name, stated, decimal
+        self._day_first = day_first
         self.unit = TimeUnit(unit_s)
         self._begun = False
         self._text = False
@@ -104,7 +128,7 @@ class TimeColumn:
             Where a cell is no time, or not in the unit that the first one told.
         """
         if not self._begun:
-            self._text = holds_times(text)
+            self._text = self._day_first is not None or holds_times(text)
         if self._text:
             return self._dated(text, line)
         plain = text
@@ -163,7 +187,7 @@ class TimeColumn:
 
     def _dated(self, text: pl.Series, line: IntArray) -> FloatArray:
         """Return dates and times of day as times from the first."""
-        parts = _iso(text)
+        parts = _iso(text, self._day_first)
         kind = parts.get_column("kind")
         nanos = parts.get_column("nanos")
         if not self._begun:
@@ -172,7 +196,10 @@ class TimeColumn:
             if nanos[at] is None:
                 self._refuse(text, line, text.is_not_null().to_numpy())
             self._start = int(nanos[at])
-            self.unit = TimeUnit(1e-9, float(self._start), unix=self._kind == _ZONED)
+            self.unit = TimeUnit(
+                1e-9, float(self._start), unix=self._kind == _ZONED, clock=self._kind == _CLOCK,
+                text=_KINDS[self._kind] + _ORDERS[self._day_first],
+            )  # fmt: skip
         wrong = text.is_not_null() & (nanos.is_null() | (kind != self._kind).fill_null(value=True))
         if wrong.any():
             self._refuse(text, line, wrong.to_numpy())
@@ -181,12 +208,15 @@ class TimeColumn:
     def _refuse(self, shown: pl.Series, line: IntArray, bad: np.ndarray) -> None:
         at = int(np.argmax(bad))
         remedy = "Correct the value, or leave the cell blank where it is not known."
-        if self._text:
+        if self._text and self._day_first is not None and not self.unit.text:
+            expected, remedy = f"a date and time{_ORDERS[self._day_first]}, with its year last", _AS_ISO
+        elif self._text:
             expected = f"{_KINDS[self._kind]}, as in the first row"
         else:
             expected = "a finite number in the unit of the first row"
             if not self._begun:
-                expected, remedy = "a number, a date and time or a time of day", _as_iso(str(shown[at]))
+                expected = "a number, a date and time or a time of day"
+                remedy = _as_iso(str(shown[at]), self._name)
         raise DataFormatError(
             self._path,
             f"{self._name} is {shown[at]!r}, not {expected}",
@@ -195,15 +225,34 @@ class TimeColumn:
         )
 
 
-def _as_iso(shown: str) -> str:
-    """Return how to write a time that is none; where it is a date with its year last, that date."""
-    date = _DAY_FIRST.fullmatch(shown.strip())
-    if date is None:
+def _as_iso(shown: str, name: str) -> str:
+    """Return how to write a time that is none; where it is a date with its year last, how to map it."""
+    if re.match(_YEAR_LAST, shown.strip() + " ") is None:
         return _AS_ISO
-    day, mark, month, year = date.groups()
-    if mark != ".":
-        return f"The year comes first, so that day and month are certain. {_AS_ISO}"
-    return f"Write the date as {year}-{month:0>2}-{day:0>2}, the year first. {_AS_ISO}"
+    return f"Say what comes first: --columns t_dmy={name} (the day) or --columns t_mdy={name} (the month)."
+
+
+def over_midnight(times: FloatArray, unit: TimeUnit) -> FloatArray:
+    """Return one vehicle's times of day, (R,), with a day more behind every midnight; others as they are.
+
+    Parameters
+    ----------
+    times
+        In the order of the file, in units, none of them missing.
+    unit
+        What they mean.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> over_midnight(np.array([86399.0, 0.0, 1.0]), TimeUnit(1.0, clock=True))
+    array([86399., 86400., 86401.])
+    """
+    day = _DAY_S / unit.unit_s
+    later = np.diff(times) < -0.5 * day
+    if not unit.clock or not later.any():
+        return times
+    return times + day * np.concatenate([[0], np.cumsum(later)])
 
 
 def holds_dates(text: pl.Series) -> bool:
@@ -220,14 +269,22 @@ def _first(text: pl.Series) -> pl.Series:
     return _iso(text.drop_nulls().head(1)).get_column("kind")
 
 
-def _iso(text: pl.Series) -> pl.DataFrame:
+def _iso(text: pl.Series, day_first: bool | None = None) -> pl.DataFrame:
     """Return Unix nanoseconds (without a date of the day) and the kind of time, null where it is none."""
+    text = text.str.replace(*_DOTTED)
+    if day_first is not None:
+        text = text.str.replace(_YEAR_LAST, _YEAR_FIRST[day_first])
     groups = text.str.extract_groups(_ISO).struct.unnest()
-    year, month, day, hour, minute, second, fraction, utc, sign, hours, minutes = groups.get_columns()
-    date = (year + "-" + month + "-" + day).str.to_date("%Y-%m-%d", strict=False).cast(pl.Int64)
+    year, month, day, hour, minute, second, fraction, half, utc, sign, hours, minutes = groups.get_columns()
+    date = (
+        (year + "-" + month.str.zfill(2) + "-" + day.str.zfill(2))
+        .str.to_date("%Y-%m-%d", strict=False)
+        .cast(pl.Int64)
+    )
     date = date.set(year.is_null(), 0)
-    clock = hour.cast(pl.Int64) * 3600 + minute.cast(pl.Int64) * 60 + second.cast(pl.Int64)
-    inside = (hour.cast(pl.Int64) < 24) & (minute.cast(pl.Int64) < 60) & (second.cast(pl.Int64) <= 60)
+    hour = _of_24(hour, half)
+    clock = hour * 3600 + minute.cast(pl.Int64) * 60 + second.cast(pl.Int64)
+    inside = (hour < 24) & (minute.cast(pl.Int64) < 60) & (second.cast(pl.Int64) <= 60)
     east = hours.cast(pl.Int64).fill_null(0) * 3600 + minutes.cast(pl.Int64).fill_null(0) * 60
     east = east * (sign == "-").fill_null(value=False).cast(pl.Int64) * -2 + east
     seconds = (date * 86400 + clock - east) * _NANO
@@ -236,3 +293,12 @@ def _iso(text: pl.Series) -> pl.DataFrame:
     zoned = utc.is_not_null() | sign.is_not_null()
     kind = (zoned.cast(pl.Int64) + _DATED).set(year.is_null(), _CLOCK).set(hour.is_null(), None)
     return pl.DataFrame({"nanos": nanos, "kind": kind})
+
+
+def _of_24(hour: pl.Series, half: pl.Series) -> pl.Series:
+    """Return hours of the day; those of a half of it by its letter, those beyond 12 of one as 24."""
+    number = hour.cast(pl.Int64)
+    halves = half.is_not_null()
+    afternoon = half.str.to_lowercase().eq("p").fill_null(value=False)
+    of_day = (number % 12 + 12 * afternoon.cast(pl.Int64)).set((number > 12).fill_null(value=False), 24)
+    return number.zip_with(~halves, of_day)

@@ -7,27 +7,42 @@ taken for metres, and a plain ``speed`` that holds km/h.
 
 import numpy as np
 
+from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.rows import Rows
 from modelcast.trips.trajectory import GAP_STEPS
 
-__all__ = ["refuse_long_steps", "refuse_other_speed", "refuse_other_unit", "speed_unit"]
+__all__ = [
+    "LEAST_WAY_M",
+    "LONGEST_STEP_S",
+    "refuse_feet",
+    "refuse_long_steps",
+    "refuse_other_speed",
+    "refuse_other_unit",
+    "refuse_short_steps",
+    "speed_unit",
+    "ways_m",
+]
 
 _LARGEST_RATIO = 300.0
 """No error of a receiver or a vehicle is that large over a trip; the next unit is 1000 times off."""
 _MOVING_MPS = 1.0
+_FEWEST_STEPS = 20
 LONGEST_STEP_S = 10.0
 """No motion of a vehicle can be told from fixes that are further apart; milliseconds of 10 ms to 10 s are."""
+SHORTEST_STEP_S = 5e-4
+"""No receiver of positions is faster than 2,000 a second; days of 40 ms to 40 s are."""
+_FEET_PER_M = 1 / 0.3048
 _SPEEDS = {
     "speed_kmh": 3.6,
     "speed_mph": 3600.0 / 1609.344,
     "speed_kn": 3600.0 / 1852.0,
-    "speed_ftps": 1 / 0.3048,
+    "speed_ftps": _FEET_PER_M,
 }
 """Numbers in other units over those in m/s, by what a column map calls them."""
 _SPEED_TOLERANCE = 0.03
 """Positions and speeds of good recordings agree to 1 % over a trip; the units are 9 % apart at least."""
-_LEAST_WAY_M = 50.0
+LEAST_WAY_M = 50.0
 
 
 def refuse_other_unit(path: str, rows: Rows, time: str) -> None:
@@ -40,18 +55,18 @@ def refuse_other_unit(path: str, rows: Rows, time: str) -> None:
     rows
         One vehicle's rows with ``t_s``, ``east_m``, ``north_m``; without ``speed_mps`` nothing is told.
     time
-        Name of the time column.
+        Name of the time column where seconds are only assumed, else empty.
     """
-    moved_m, said_m = _ways(rows)
+    moved_m, said_m = ways_m(rows) if time else _usual_steps_m(rows)
     if moved_m > 0 and said_m > 0 and not 1 / _LARGEST_RATIO < moved_m / said_m < _LARGEST_RATIO:
         slower = "slower" if moved_m < said_m else "faster"
         ratio = max(moved_m / said_m, said_m / moved_m)
+        mapped = f"Map the time by its unit ({_unit(moved_m / said_m)}={time}), or check" if time else "Check"
         raise DataFormatError(
             path,
             f"positions move {ratio:.0f} times {slower} than the speeds say",
             row=int(rows.line[0]),
-            remedy=f"Map the time by its unit ({_unit(moved_m / said_m)}={time}), or check the units of the "
-            "positions and speeds.",
+            remedy=f"{mapped} the units of the positions and speeds.",
         )
 
 
@@ -80,6 +95,30 @@ def refuse_long_steps(path: str, rows: Rows, time: str) -> None:
     )
 
 
+def refuse_short_steps(path: str, rows: Rows, time: str) -> None:
+    """Raise `DataFormatError` where times without a stated unit are days, as spreadsheets count.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows
+        One vehicle's rows with ``t_s`` as if it were in seconds.
+    time
+        Name of the time column.
+    """
+    steps_s = np.diff(rows.columns["t_s"])
+    if not steps_s.size or not 0 < np.median(steps_s) < SHORTEST_STEP_S:
+        return
+    raise DataFormatError(
+        path,
+        f"{time} grows by {np.median(steps_s):.3g} from row to row, too little for seconds",
+        row=int(rows.line[0]),
+        remedy=f"Days, as a spreadsheet has dates: --columns t_days={time}. "
+        f"Where it does hold seconds: --columns t_s={time}.",
+    )
+
+
 def refuse_other_speed(path: str, rows: Rows, speed: str) -> None:
     """Raise `DataFormatError` where speeds without a stated unit fit the positions in another unit than m/s.
 
@@ -103,6 +142,30 @@ def refuse_other_speed(path: str, rows: Rows, speed: str) -> None:
         )
 
 
+def refuse_feet(path: str, rows: Rows, names: tuple[str, str]) -> None:
+    """Raise `DataFormatError` where positions without a stated unit fit the speeds as feet and not as metres.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows
+        One vehicle's rows with ``t_s``, ``east_m`` and ``north_m``; without ``speed_mps`` nothing is told.
+    names
+        Columns of east and north.
+    """
+    moved_m, said_m = ways_m(rows)
+    if not moved_m > LEAST_WAY_M or not abs(said_m / moved_m * _FEET_PER_M - 1.0) <= _SPEED_TOLERANCE:
+        return
+    x, y = names
+    raise DataFormatError(
+        path,
+        f"{x} and {y} move {_FEET_PER_M:.2f} times as fast as the speeds say",
+        row=int(rows.line[0]),
+        remedy=f"Feet: --columns east_ft={x},north_ft={y}.",
+    )
+
+
 def speed_unit(rows: Rows) -> tuple[str, float] | None:
     """Return what a column map calls speeds in another unit than m/s, and their ratio to the positions.
 
@@ -113,8 +176,8 @@ def speed_unit(rows: Rows) -> tuple[str, float] | None:
     rows
         One vehicle's rows with ``t_s``, ``east_m``, ``north_m`` and ``speed_mps``, as if that were in m/s.
     """
-    moved_m, said_m = _ways(rows)
-    if not moved_m > _LEAST_WAY_M:
+    moved_m, said_m = ways_m(rows)
+    if not moved_m > LEAST_WAY_M:
         return None
     ratio = said_m / moved_m
     for meaning, factor in _SPEEDS.items():
@@ -123,16 +186,36 @@ def speed_unit(rows: Rows) -> tuple[str, float] | None:
     return None
 
 
-def _ways(rows: Rows) -> tuple[float, float]:
-    """Return the way that positions move and that speeds say, in motion [m]; zeros where unknown."""
+def ways_m(rows: Rows) -> tuple[float, float]:
+    """Return the way that positions move and that speeds say, in motion [m]; zeros where unknown.
+
+    Parameters
+    ----------
+    rows
+        One vehicle's rows with ``t_s``, ``east_m``, ``north_m`` and, where it is known, ``speed_mps``.
+    """
+    moved_m, said_m = _steps_m(rows)
+    return float(moved_m.sum()), float(said_m.sum())
+
+
+def _usual_steps_m(rows: Rows) -> tuple[float, float]:
+    """Return the median steps of positions and speeds in motion [m]; zeros where there are few."""
+    moved_m, said_m = _steps_m(rows)
+    return (
+        (float(np.median(moved_m)), float(np.median(said_m))) if moved_m.size >= _FEWEST_STEPS else (0.0, 0.0)
+    )
+
+
+def _steps_m(rows: Rows) -> tuple[FloatArray, FloatArray]:
+    """Return the steps that positions move and that speeds say, where in motion and known, (S,) [m]."""
     columns = rows.columns
     steps_s = np.diff(columns["t_s"])
     if "speed_mps" not in columns or not steps_s.size or not (steps_s > 0).all():
-        return 0.0, 0.0
+        return np.zeros(0), np.zeros(0)
     speed_mps = 0.5 * (columns["speed_mps"][1:] + columns["speed_mps"][:-1])
     used = (speed_mps > _MOVING_MPS) & (steps_s <= GAP_STEPS * np.median(steps_s))
-    moved_m = np.hypot(np.diff(columns["east_m"]), np.diff(columns["north_m"]))[used].sum()
-    return float(moved_m), float((speed_mps * steps_s)[used].sum())
+    moved_m = np.hypot(np.diff(columns["east_m"]), np.diff(columns["north_m"]))
+    return moved_m[used], (speed_mps * steps_s)[used]
 
 
 def _unit(ratio: float) -> str:

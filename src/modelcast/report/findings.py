@@ -26,13 +26,15 @@ from modelcast.report.senders import (
     sender_words,
 )
 from modelcast.study.loss_ratios import nearest_ratio
-from modelcast.study.result import EvaluationResult
+from modelcast.study.result import EvaluationResult, TripRow
 from modelcast.study.rules import FREE_MATCHED, FREE_RECEIVER, MODEL_SENDER
 from modelcast.study.table import Row
 
 __all__ = ["findings"]
 
 _FREE = "the free receiver"
+_LONGEST_UNUSED = 160
+"""Letters of what was not used that the first paragraphs show."""
 
 
 def findings(result: EvaluationResult) -> list[tuple[str, str]]:
@@ -205,11 +207,31 @@ def _saved_by_free(lines: Sequence[Headline]) -> str:
 
 def _data(result: EvaluationResult) -> str:
     trips = result.trips
-    return data_text(
+    text = data_text(
         [trip.source for trip in trips],
         sum(trip.duration_s for trip in trips),
         [_protocol(result, name) for name in sorted({trip.protocol for trip in trips})],
     )
+    return f"{text}{_understood(trips)}"
+
+
+def _understood(trips: Sequence[TripRow]) -> str:
+    """Say which columns were taken for what; of several ways, that the list of trips has them."""
+    ways = list(
+        {tuple(trip.understood.items()): trip.understood for trip in trips if trip.understood}.values()
+    )
+    if not ways:
+        return ""
+    if len(ways) > 1:
+        return f" Their files were understood in {len(ways)} ways, which stand above the list of trips."
+    words = {"columns": "Columns taken", "assumed": "only assumed", "not used": "not used"}
+    said = [f"{word}: {_short(ways[0][name])}" for name, word in words.items() if name in ways[0]]
+    return f" {'; '.join(said)}." if "columns" in ways[0] else ""
+
+
+def _short(text: str) -> str:
+    """Text that is long cut at a word."""
+    return text if len(text) <= _LONGEST_UNUSED else f"{text[:_LONGEST_UNUSED].rpartition(',')[0]}, ..."
 
 
 def _protocol(result: EvaluationResult, name: str) -> str:

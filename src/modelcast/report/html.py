@@ -92,6 +92,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
         *_figures(result, drawings),
         player(result),
         "<h2>Trips</h2>",
+        _understood(result.trips),
         _trip_table(result.trips),
         "<h2>Tracking</h2>",
         _tracking_section(result),
@@ -246,6 +247,29 @@ def _figures(result: EvaluationResult, drawings: Iterable[Drawing]) -> list[str]
         embedded_figure(drawing, place, TITLES[drawing.name], texts[drawing.name])
         for place, drawing in enumerate(drawings, start=1)
     ]
+
+
+def _understood(trips: Sequence[TripRow]) -> str:
+    """What the files were taken for, each way once, with the trips that were read so."""
+    ways: dict[tuple[tuple[str, str], ...], list[str]] = {}
+    for trip in trips:
+        if trip.understood:
+            ways.setdefault(tuple(trip.understood.items()), []).append(trip.id)
+    if not ways:
+        return ""
+    items = "".join(
+        f"<li>{escape(_named(names))}: "
+        + "; ".join(f"<b>{escape(subject)}</b> {escape(text)}" for subject, text in way)
+        + ".</li>"
+        for way, names in ways.items()
+    )
+    return f'<p class="note">What the files were taken for:</p><ul>{items}</ul>'
+
+
+def _named(names: Sequence[str]) -> str:
+    """The first of some trips, and how many more there are."""
+    more = len(names) - 1
+    return names[0] + (f" and {more} more" if more else "")
 
 
 def _trip_table(trips: Sequence[TripRow]) -> str:

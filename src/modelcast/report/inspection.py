@@ -49,6 +49,7 @@ def trip_document(
         "repaired": dict(one.reading.repaired),
         "manoeuvres": {kind.value: count for kind, count in manoeuvres.by_kind.items()},
         "implausible": None if findings is None else _implausible(findings),
+        "understood": None if one.reading.understood is None else one.reading.understood.document(),
     }
     judged = {
         "warnings": dict(judge(one, thresholds_m, smoothed=_smoothed(one))),
@@ -83,6 +84,7 @@ def trip_table(
     manoeuvres: ManoeuvreCounts,
     *,
     thresholds_m: Sequence[float],
+    with_understood: bool = True,
 ) -> Table:
     """What was found of a trip as a table, at most 100 columns wide.
 
@@ -90,12 +92,16 @@ def trip_table(
     ----------
     one, findings, manoeuvres, thresholds_m
         As in `trip_document`.
+    with_understood
+        Begin with what the file was taken for; it is the same for all trips of a file.
     """
     table = Table(
         show_header=False, box=None, title=literal(one.trip_id), title_justify="left", title_style="bold"
     )
     table.add_column(style="dim")
     table.add_column(overflow="fold")
+    for name, value in _understood(one).items() if with_understood else ():
+        table.add_row(name, literal(value))
     for kind, text in judge(one, thresholds_m, smoothed=_smoothed(one)).items():
         table.add_row(literal("warning", "bold"), literal(f"{kind}: {text}", "bold"))
     for name, value in _lines(one):
@@ -107,6 +113,12 @@ def trip_table(
         implausible = _implausible(findings)
         table.add_row("implausible", literal(_counts("", implausible).lstrip("; ") or "nothing"))
     return table
+
+
+def _understood(one: TripInspection) -> dict[str, str]:
+    """What the file was taken for, a line a subject."""
+    taken = one.reading.understood
+    return {"format": one.source, **({} if taken is None else taken.lines())} if one.source else {}
 
 
 def _manoeuvres(counts: ManoeuvreCounts) -> str:

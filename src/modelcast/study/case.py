@@ -15,7 +15,7 @@ from modelcast.trips.judgement import judge
 from modelcast.trips.trajectory import Trajectory
 from modelcast.world.sensors import sense
 
-__all__ = ["STANDING_SPEED_MPS", "SensedTrip", "TripCase", "make_case"]
+__all__ = ["STANDING_SPEED_MPS", "SensedTrip", "TripCase", "make_case", "too_short"]
 
 STANDING_SPEED_MPS = 0.5
 """Below this speed a vehicle counts as standing [m/s]."""
@@ -159,3 +159,21 @@ def _course(truth: Trajectory) -> tuple[FloatArray, FloatArray]:
         return np.tile([1.0, 0.0], (count, 1)), speed_mps
     held = moving[np.maximum(np.searchsorted(moving, np.arange(count), side="right") - 1, 0)]
     return moved[held] / distance[held][:, None], speed_mps
+
+
+def too_short(trip: Trajectory, window: int) -> str | None:
+    """Why a trip holds no window; None where it holds one.
+
+    Parameters
+    ----------
+    trip
+        The trip.
+    window
+        Samples that some part of it must hold.
+    """
+    longest = int(np.diff(trip.segments).max())
+    return (
+        None
+        if longest >= window
+        else f"its longest part has {longest} samples, a window needs {window}: record longer"
+    )

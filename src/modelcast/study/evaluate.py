@@ -10,7 +10,7 @@ from modelcast.models.learned.spans import short_at
 from modelcast.runtime.trip.context import TripContexts
 from modelcast.runtime.trip.runtime import TripMessages, TripRuntime, sense_trip
 from modelcast.station.banks import BASELINE_BANK
-from modelcast.study.case import SensedTrip, TripCase, make_case
+from modelcast.study.case import SensedTrip, TripCase, make_case, too_short
 from modelcast.study.context import case_contexts, free_runtime, reads_context, trip_runtimes
 from modelcast.study.gathered import Gathered, Illustration, TripCount
 from modelcast.study.illustration import draw_manoeuvre, draw_timeline, sharpest_instant
@@ -118,12 +118,9 @@ def evaluate_trip(
     """
     seen = trip.seen if isinstance(trip, SensedTrip) else trip
     found = Gathered()
-    longest = int(np.diff(seen.segments).max())
-    needed = int(settings.bank.windows.max())
-    if longest < needed:
-        found.failures[seen.trip_id] = (
-            f"its longest part has {longest} samples, a window needs {needed}: record longer"
-        )
+    reason = too_short(seen, int(settings.bank.windows.max()))
+    if reason:
+        found.failures[seen.trip_id] = reason
         return found
     case = make_case(trip, settings)
     quantised = settings.quantised
@@ -191,6 +188,7 @@ def _illustrated(
 def _trip_row(case: TripCase, settings: EvaluationSettings) -> TripRow:
     recorded = case.recorded
     idle = short_at(settings.bank, recorded.dt_s)
+    understood = recorded.reading.understood
     return TripRow(
         recorded.trip_id,
         recorded.source,
@@ -211,4 +209,5 @@ def _trip_row(case: TripCase, settings: EvaluationSettings) -> TripRow:
         in_training=bool(known_trips([recorded], settings.all_training_trips)),
         conditioning=None if case.conditioning is None else asdict(case.conditioning),
         warnings={**case.warnings, **({"bank": idle} if idle else {})},
+        understood={} if understood is None else understood.lines(),
     )

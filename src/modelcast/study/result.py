@@ -91,6 +91,9 @@ class TripRow:
         `modelcast.trips.judgement.judge`; ``bank`` for sub-models that do not work as trained at this rate.
     in_training
         Whether the bank or the free receiver was trained on this very trip: its figures then flatter.
+    understood
+        What its file was taken for, by subject, where its reader had to find that out
+        (`modelcast.trips.understood.Understood.lines`).
     """
 
     id: str
@@ -113,6 +116,7 @@ class TripRow:
     conditioning: Mapping[str, float] | None
     warnings: Mapping[str, str] = field(default_factory=dict[str, str])
     in_training: bool = False
+    understood: Mapping[str, str] = field(default_factory=dict[str, str])
 
 
 TRIPS = TableSchema(

@@ -9,13 +9,13 @@ import numpy as np
 
 from modelcast.core.arrays import FloatArray
 
-__all__ = ["LARGEST_RAD", "degrees_at"]
+__all__ = ["ALONG", "LARGEST_RAD", "along_way", "degrees_at"]
 
 LARGEST_RAD = 8.0 * np.pi
 """Headings up to four circles are taken as they are; of larger ones the unit is looked at."""
 
 _CIRCLE_DEG, _ABOUT_DEG = 360.0, 20.0
-_ALONG = 0.7
+ALONG = 0.7
 """Mean cosine, over the way, between headings and the course of positions that fit each other: 45 degrees."""
 _LEAST_WAY_M = 1.0
 _LONGEST_STEPS = 10.0
@@ -53,17 +53,33 @@ def degrees_at(heading_rad: FloatArray, position_m: FloatArray) -> int | None:
     return int(np.argmax(large))
 
 
-def _off_course(heading: FloatArray, position_m: FloatArray) -> bool:
-    """Return whether headings are not along the way in radians, or are more so in degrees."""
+def along_way(heading_rad: FloatArray, position_m: FloatArray) -> float:
+    """Return the mean cosine, over the way, between headings and the course of positions; NaN without a way.
+
+    Parameters
+    ----------
+    heading_rad
+        Headings, clockwise from north, (T,) [rad].
+    position_m
+        East and north, (T, 2) [m].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> northwards = np.stack([np.zeros(9), np.arange(9.0)], axis=1)
+    >>> round(along_way(np.full(9, np.pi / 3), northwards), 3)
+    0.5
+    """
     steps_m = np.diff(position_m, axis=0)
     lengths_m = np.hypot(*steps_m.T)
     if not lengths_m.sum() > _LEAST_WAY_M:
-        return False
+        return float("nan")
     weight = np.minimum(lengths_m, _LONGEST_STEPS * np.median(lengths_m[lengths_m > 0]))
     course_rad = np.arctan2(steps_m[:, 0], steps_m[:, 1])
+    return float(np.average(np.cos(heading_rad[:-1] - course_rad), weights=weight))
 
-    def along(heading_rad: FloatArray) -> float:
-        return float(np.average(np.cos(heading_rad[:-1] - course_rad), weights=weight))
 
-    in_radians = along(heading)
-    return in_radians < _ALONG or along(np.radians(heading)) > in_radians
+def _off_course(heading: FloatArray, position_m: FloatArray) -> bool:
+    """Return whether headings are not along the way in radians, or are more so in degrees."""
+    in_radians = along_way(heading, position_m)
+    return in_radians < ALONG or along_way(np.radians(heading), position_m) > in_radians

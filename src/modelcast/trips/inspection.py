@@ -96,7 +96,9 @@ class TripInspection:
         True where the two disagree by more than `MAX_SPEED_MISMATCH_RATIO`, or the column stays constant
         while the positions say otherwise.
     reading
-        What the reader skipped and repaired.
+        What the reader skipped and repaired, and what it took the file for.
+    source
+        The format it was read as.
     """
 
     trip_id: str
@@ -127,6 +129,7 @@ class TripInspection:
     speed_difference_mps: float
     speed_is_stuck: bool
     reading: Reading
+    source: str = ""
 
     @property
     def grid_m(self) -> float:
@@ -214,6 +217,7 @@ def inspect(trip: Trajectory) -> TripInspection:
         speed_difference_mps=difference,
         speed_is_stuck=stuck,
         reading=trip.reading,
+        source=trip.source,
     )
 
 

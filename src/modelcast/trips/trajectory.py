@@ -15,6 +15,7 @@ from modelcast.core.arrays import BoolArray, FloatArray, IntArray
 from modelcast.core.geodesy import Origin, wrap_angle_rad
 from modelcast.trips.heading_unit import degrees_at
 from modelcast.trips.jumps import settle
+from modelcast.trips.understood import Understood
 
 __all__ = [
     "GAP_STEPS",
@@ -54,11 +55,14 @@ class Reading:
         Rows left out, by reason.
     repaired
         Rows put right, by reason.
+    understood
+        What the reader took the file for, where it had to find that out; not part of what is compared.
     """
 
     rows: int = 0
     skipped: Mapping[str, int] = field(default_factory=dict[str, int])
     repaired: Mapping[str, int] = field(default_factory=dict[str, int])
+    understood: Understood | None = field(default=None, repr=False, compare=False)
 
     @property
     def samples(self) -> int:

@@ -3,13 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from modelcast.core.exceptions import ConfigError
 from modelcast.runtime.trip.context import TripContexts
 from modelcast.runtime.trip.runtime import TripRuntime
 from modelcast.station.banks import BASELINE_BANK
-from modelcast.study.case import TripCase, make_case
+from modelcast.study.case import TripCase, make_case, too_short
 from modelcast.study.compare.beside import BesideRuns
 from modelcast.study.compare.result import REFERENCE_RATIOS
 from modelcast.study.compare.settings import CompareSettings
@@ -25,7 +23,6 @@ __all__ = [
     "ratios_of_references",
     "reference_ratios",
     "stage_trips",
-    "too_short",
     "usable_trips",
 ]
 
@@ -148,24 +145,6 @@ def ratios_of_references(protocol: str, rows: Sequence[Row], baselines: Mapping[
         for row in pooled
         if row.threshold_m in {None, threshold_m}
     ]
-
-
-def too_short(trip: Trajectory, window: int) -> str | None:
-    """Why a trip holds no window; None where it holds one.
-
-    Parameters
-    ----------
-    trip
-        The trip.
-    window
-        Samples that some part of it must hold.
-    """
-    longest = int(np.diff(trip.segments).max())
-    return (
-        None
-        if longest >= window
-        else f"its longest part has {longest} samples, a window needs {window}: record longer"
-    )
 
 
 def usable_trips(trips: Sequence[Trajectory], window: int) -> tuple[list[Trajectory], dict[str, str]]:
