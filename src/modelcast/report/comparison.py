@@ -197,7 +197,7 @@ def _short_tables(result: ComparisonResult, protocol: str) -> list[ConsoleTable]
     if result.free is not None:
         whose.insert(1, ("free_", "free"))
     heads = [f"{name}\n{what}" for what in ("1/s", "p90") for _, name in whose]
-    rows = []
+    rows: list[list[str]] = []
     for candidate in result.candidates:
         found = _shown(pooled_rows(result, candidate.name, protocol, ratio), shown_m)
         sent = [listed_values(found, f"{prefix or 'message_'}rate_hz") for prefix, _ in whose]

@@ -1,6 +1,6 @@
 """Which rows of a comparison its tables, figure and sentences show."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import isfinite
 from operator import attrgetter
 
@@ -100,12 +100,13 @@ def worst_rows(result: ComparisonResult, candidate: str, protocol: str, figure: 
         ``p90`` or ``p99`` over the harder equal-rate baseline, ``p90_over_free`` or ``p99_over_free`` over
         the free receiver at the same rate; NaN where no threshold has it.
     """
-    value = figure if figure.endswith("_free") else f"{figure}_ratio"
-    read = attrgetter(value, f"{figure}_low", f"{figure}_high")
+    central = figure if figure.endswith("_free") else f"{figure}_ratio"
+    read: Callable[[Row], tuple[float | None, float | None, float | None]]
+    read = attrgetter(central, f"{figure}_low", f"{figure}_high")
     found: list[Limited] = []
     for ratio in loss_ratios(result):
-        each: list[Limited] = [read(row) for row in pooled_rows(result, candidate, protocol, ratio)]
-        known = [one for one in each if one[0] is not None and isfinite(one[0])]
+        each = map(read, pooled_rows(result, candidate, protocol, ratio))
+        known = [(value, low, high) for value, low, high in each if value is not None and isfinite(value)]
         found.append(max(known, key=lambda one: one[0], default=(float("nan"), None, None)))
     return found
 
