@@ -91,12 +91,14 @@ def _run(arguments: Sequence[str]) -> int:
         # rich leaves with SystemExit where nobody reads what it prints.
         if isinstance(error, SystemExit) and not isinstance(error.__context__, BrokenPipeError):
             raise
-        return _stop_printing()
+        _drop_unprinted()
+        return BROKEN_PIPE
     except (ModelcastError, OSError) as error:
         # Readers name their files themselves: what is left of OSError is a place that cannot be written.
         if taken() is not None:  # it is what a library has made of an interrupt
             raise
         complain(_place_and_reason(error) if isinstance(error, OSError) else error)
+        _drop_unprinted()
         return USAGE
     return code if isinstance(code, int) else 0
 
@@ -157,12 +159,10 @@ def _place_and_reason(error: OSError) -> str:
     return f"{error.filename}: {refusal(error)}" if error.filename else refusal(error)
 
 
-def _stop_printing() -> int:
-    """Send what is still to be printed nowhere, so that the interpreter ends in silence."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
+def _drop_unprinted() -> None:
+    """Send what cannot be printed nowhere, so that the interpreter does not try again at its end."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
-        except BrokenPipeError:
-            os.dup2(nowhere, stream.fileno())
-    return BROKEN_PIPE
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
