@@ -53,6 +53,7 @@ def senders(vehicles: int, number: int) -> np.ndarray:
     return np.isin(np.arange(vehicles), np.random.default_rng(1).permutation(vehicles)[:number])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moved_m", [5.0, 25.0, 60.0])
 def test_shadowing_decorrelates_with_the_relative_way(moved_m: float) -> None:
     """Correlation exp(-way/25 m) and deviation, within four standard errors; compiled and batch agree."""

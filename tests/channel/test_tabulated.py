@@ -150,6 +150,7 @@ def test_the_busy_ratio_of_a_load_is_that_of_the_table() -> None:
     assert TABLE.busy_ratio(load).tolist() == pytest.approx((1.0 - np.exp(-load)).tolist())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size_bytes", "power_dbm", "density_per_km"), [(400, 20.0, 250), (250, 10.0, 400)])
 def test_it_finds_the_channel_as_busy_as_the_radio_it_was_measured_of(
     size_bytes: int, power_dbm: float, density_per_km: int

@@ -510,6 +510,7 @@ def test_coverage_writes_document_and_figure_and_repeats_itself(
     assert {row["threshold_m"] for row in printed["times"]} == {0.3}
 
 
+@pytest.mark.slow
 def test_coverage_learns_from_other_files_where_these_are_named(tmp_path: Path, drive_csv: Path) -> None:
     out = tmp_path / "out"
     arguments = ["coverage", str(drive_csv), "--train", str(drive_csv), "--bank", "ctrv"]

@@ -104,6 +104,7 @@ def test_rows_agree_with_the_evaluate_command(done: Path, drives: list[Path], tm
         assert row["baseline_messages"] == rates["baseline", row["threshold_m"]]["updates"]
 
 
+@pytest.mark.slow
 def test_json_is_the_summary_and_tables_are_printed_otherwise(
     drives: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

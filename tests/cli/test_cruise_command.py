@@ -41,6 +41,7 @@ def trip_csv(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_cruise_writes_table_document_and_figure_and_repeats_itself(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

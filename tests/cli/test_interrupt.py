@@ -123,6 +123,7 @@ sys.exit(app.run(sys.argv[1:]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
 def test_an_interrupt_that_breaks_a_library_is_still_one_line(tmp_path: Path) -> None:
     write_csv([generate_drive(seed=1, duration_s=90.0).input], tmp_path / "drive.csv")

@@ -71,6 +71,7 @@ def test_the_corners_of_the_map_are_pairings(folder: Path) -> None:
                     assert found[senders, receivers, number][name] == pytest.approx(corner, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_tables_figure_and_runs_are_written_and_taken_up_again(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -92,6 +92,7 @@ def test_each_bank_follows_its_own_rules_on_both_radios(summary: dict[str, Any])
         assert row["update_rate_hz"] + identified == pytest.approx(row["message_rate_hz"])
 
 
+@pytest.mark.slow
 def test_banks_meet_the_same_traffic_and_messages_of_their_own(summary: dict[str, Any]) -> None:
     by_case = {(row["radio"], row["bank"], row["run"]): row for row in summary["runs"]}
     for radio, seed in (("dsrc", 0), ("sidelink", 1)):

@@ -40,6 +40,7 @@ def test_people_send_by_a_policy_of_their_own_and_it_is_told(tmp_path: Path) -> 
     assert "Devices of people" in (out / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_people_send_personal_messages_by_the_profile_of_people(tmp_path: Path) -> None:
     """Frames of 29 octets by constant velocity, of 35 by the stop-and-go switch: six more on the air."""
     frame_bytes = dict[str, float]()

@@ -74,6 +74,7 @@ def test_what_it_starts_with_is_not_looked_through_for_garbage(trip: Path, tmp_p
         gc.unfreeze()
 
 
+@pytest.mark.slow
 def test_four_nodes_run_on_this_machine_and_say_what_one_believes(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["demo-live", "--headless", "--duration", "4", "--udp-port", "16793", "--loss", "0"]) == 0
     lines = capsys.readouterr().out.splitlines()

@@ -73,6 +73,7 @@ def test_an_interrupted_run_goes_on(corpus: Path, done: Path, tmp_path: Path) ->
     assert {path: (tmp_path / "out" / path).stat().st_ino for path in made} == made
 
 
+@pytest.mark.slow
 def test_a_part_that_fails_is_named_and_the_rest_is_there(
     corpus: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

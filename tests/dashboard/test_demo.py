@@ -27,6 +27,7 @@ def test_the_same_seed_gives_the_same_texts(drive: list[Snapshot]) -> None:
     assert [snapshot_text(one) for one in again] == [snapshot_text(one) for one in drive[:40]]
 
 
+@pytest.mark.slow
 def test_every_text_is_read_back(drive: list[Snapshot]) -> None:
     for one in drive[::50]:
         assert snapshot_text(read_snapshot(snapshot_text(one))) == snapshot_text(one)

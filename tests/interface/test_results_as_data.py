@@ -151,6 +151,7 @@ def test_evaluate_is_the_evaluation_of_the_study(evaluation: Any) -> None:
     assert plain.tracking == evaluation.result.tracking
 
 
+@pytest.mark.slow
 def test_a_network_is_that_of_the_command(network: Any, tmp_path: Path) -> None:
     """Same road, senders, seeds: the rows agree to the bit; only the bank is named by what it holds."""
     asked = "network --density 40 --length 500 --duration 3 --warm-up 1 --seeds 1 --lanes 3 --quiet --jobs 1"

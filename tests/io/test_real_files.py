@@ -100,6 +100,7 @@ def test_stuck_speed_of_the_new_york_target_is_kept(data_folder):
     assert np.unique(trips["A305214A"].speed_mps).tolist() == pytest.approx([5.68])
 
 
+@pytest.mark.slow
 def test_whole_folder_reads_with_unique_identifiers(data_folder):
     trips = list(read_trips(data_folder))
     assert len({trip.trip_id for trip in trips}) == len(trips)

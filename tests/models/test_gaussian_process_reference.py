@@ -204,6 +204,7 @@ def test_all_real_windows_equal_extended_precision(real):
             assert (error <= CLAIM_RELATIVE * scale[..., 0])[mild].all()
 
 
+@pytest.mark.slow
 @pytest.mark.real
 @extended
 def test_extended_precision_and_fits_equal_mpmath_where_real_noise_is_least(real):

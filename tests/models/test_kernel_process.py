@@ -158,6 +158,7 @@ def _windows(data_folder: Path) -> np.ndarray:
     return np.concatenate(list(real_windows(data_folder, 60)))
 
 
+@pytest.mark.slow
 @pytest.mark.real
 @pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="no extended precision here")
 @pytest.mark.parametrize(
@@ -261,7 +262,7 @@ def test_the_noise_floor_is_kept_and_holds_up_a_straight_line() -> None:
     np.testing.assert_allclose(moved[0, :, 1], -12.0 * HORIZONS_S, atol=1e-4)
 
 
-@pytest.mark.parametrize("factors", [1, 2, 3, 4, 5, 6])
+@pytest.mark.parametrize("factors", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 3, 4, 5)), 6])
 @pytest.mark.parametrize("samples", [10, 60])
 @pytest.mark.parametrize("dt_s", [0.1, 1.0])
 def test_no_moving_window_is_taken_for_a_standing_one(factors: int, samples: int, dt_s: float) -> None:
@@ -292,6 +293,7 @@ def test_a_kernel_that_outgrows_doubles_is_refused_by_name(samples: int) -> None
         KernelProcess(expression, samples).point_functions(1000.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("expression", ["linear*linear*linear*linear", "rbf+linear*linear*linear*rq"])
 @pytest.mark.parametrize("samples", [3, 10, 30, 60])
 @pytest.mark.parametrize("dt_s", [0.1, 1.0, 10.0])

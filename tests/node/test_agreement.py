@@ -38,7 +38,9 @@ def agrees(trip: Trajectory, bank: str, rules: str, *, most: float, seed: int = 
     return found.messages
 
 
-@pytest.mark.parametrize(("bank", "rules"), RULES)
+@pytest.mark.parametrize(
+    ("bank", "rules"), [RULES[0], *(pytest.param(*rest, marks=pytest.mark.slow) for rest in RULES[1:])]
+)
 def test_a_made_trip_is_the_same(bank: str, rules: str) -> None:
     assert agrees(generate_drive(4, 90.0).truth, bank, rules, most=0.2, seed=3) > 10
 

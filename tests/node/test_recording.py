@@ -159,6 +159,7 @@ def test_a_file_cut_anywhere_gives_its_whole_chunks(recording: Path, tmp_path: P
         assert {one[0] for one in found} >= set(starts[:complete])
 
 
+@pytest.mark.slow
 def test_at_the_quota_recording_ends_with_a_summary_and_the_node_goes_on(tmp_path: Path) -> None:
     ended: list[str] = []
 
@@ -186,6 +187,7 @@ def test_the_quota_counts_what_was_there_before(tmp_path: Path) -> None:
     assert sum(one.stat().st_size for one in tmp_path.iterdir()) < 60_000
 
 
+@pytest.mark.slow
 def test_on_a_full_disk_whole_chunks_are_left_and_the_node_goes_on(tmp_path: Path) -> None:
     steps: list[str] = []
 

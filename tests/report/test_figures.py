@@ -251,9 +251,9 @@ def test_trips_are_one_row_each_until_they_are_too_many(make_result: Make) -> No
 @pytest.mark.parametrize(
     "options",
     [
-        {"thresholds": (0.5,)},
+        pytest.param({"thresholds": (0.5,)}, marks=pytest.mark.slow),
         pytest.param({"ratios": (0.0,)}, marks=pytest.mark.slow),
-        {"trips": ("only/1",)},
+        pytest.param({"trips": ("only/1",)}, marks=pytest.mark.slow),
         pytest.param({"seeds": 1}, marks=pytest.mark.slow),
         {"timeline": False, "manoeuvre": False},
         {"thresholds": (0.5,), "ratios": (0.4,), "trips": ("only/1",), "seeds": 1, "timeline": False},

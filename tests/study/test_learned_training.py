@@ -83,6 +83,7 @@ def test_on_cars_it_has_not_seen_it_sends_fewer_messages_than_what_it_corrects(
     assert corrected < 0.85 * kinematic
 
 
+@pytest.mark.slow
 def test_the_same_trips_and_seed_give_the_same_networks() -> None:
     cars = [weaving(seed) for seed in range(2)]
     short = replace(CLEAN, descent=replace(SHORT, steps=20))

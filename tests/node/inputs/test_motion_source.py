@@ -318,6 +318,7 @@ def test_without_any_heading_there_is_silence_until_places_tell_one():
     assert source.at(1.0).heading_rad == pytest.approx(YAW_RADPS * 0.95, abs=0.02)
 
 
+@pytest.mark.slow
 def test_events_and_waiting_samples_are_bounded():
     source = MotionSource(AT)
     source.feed(fix(0.0, late_s=0.5) for _ in range(70_000))

@@ -183,6 +183,7 @@ def test_a_field_that_is_wrong_is_named(name: str, values: dict[str, Any], text:
     assert told["text"].startswith(text)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     noise=st.one_of(
@@ -228,7 +229,7 @@ def test_bad_options_are_told(words: str, capsys: pytest.CaptureFixture[str]) ->
     assert capsys.readouterr().err
 
 
-@pytest.mark.parametrize("how", ["once", "interrupt"])
+@pytest.mark.parametrize("how", [pytest.param("once", marks=pytest.mark.slow), "interrupt"])
 def test_the_command_serves_and_ends_cleanly(how: str, tmp_path: Path) -> None:
     words = [sys.executable, "-m", "modelcast", "serve", "--port", "0", "--profile", "default"]
     words += ["--once"] if how == "once" else []

@@ -91,7 +91,10 @@ def test_behind_a_leader_that_has_come_to_a_new_speed_spacing_errors_vanish(law:
     assert np.abs(trace.too_near_m[-1]).max() < 0.01 * during
 
 
-@every_law
+@pytest.mark.parametrize(
+    "law",
+    [pytest.param(law, id=law.name, marks=pytest.mark.slow if law is not LAWS[0] else ()) for law in LAWS],
+)
 def test_swings_reach_every_follower_as_linear_theory_says(law: AbstractCruiseLaw) -> None:
     """Amplitudes over the leader's in the last four of 16 swings, law asked every 10 ms about the truth."""
     leader = Sinusoid()
