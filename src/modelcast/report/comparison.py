@@ -30,7 +30,7 @@ from modelcast.report.console_table import ConsoleTable, console_table
 from modelcast.report.figures.comparison import plot_comparison
 from modelcast.report.figures.files import Drawing, drawn, write_report_files
 from modelcast.report.literal import Prose, literal
-from modelcast.report.page import CSS, embedded_figure, page
+from modelcast.report.page import CSS, embedded_figure, findings_paragraphs, page
 from modelcast.report.ratio_words import counted
 from modelcast.report.settings_section import settings_section
 from modelcast.report.style import style
@@ -129,10 +129,7 @@ def comparison_page(result: ComparisonResult, drawing: Drawing) -> str:
     body = [
         "<h1>Candidates side by side</h1>",
         f'<p class="scope">{escape(scope_line(result))}. modelcast {escape(package_version())}.</p>',
-        *(
-            f'<p class="finding"><strong>{escape(title)}.</strong> {escape(text)}</p>'
-            for title, text in comparison_findings(result)
-        ),
+        *findings_paragraphs(comparison_findings(result)),
         *(f'<p class="note">warning: {escape(line)}.</p>' for line in warned),
         *(f'<p class="note">{escape(line)}.</p>' for line in _training_lines(result)),
         embedded_figure(drawing, 1, "Every candidate beside its rivals", _CAPTION),

@@ -30,7 +30,7 @@ from modelcast.report.headline import (
     shown_ratios,
 )
 from modelcast.report.model_words import velocity_words
-from modelcast.report.page import CSS, embedded_figure, page
+from modelcast.report.page import CSS, embedded_figure, findings_paragraphs, page
 from modelcast.report.player import player, player_css
 from modelcast.report.scripts import PLAYBACK_SCRIPTS, script
 from modelcast.report.settings_section import settings_section
@@ -79,10 +79,7 @@ def report_document(result: EvaluationResult, drawings: Iterable[Drawing]) -> st
     body = [
         "<h1>Model-based communication: evaluation</h1>",
         f'<p class="scope">{escape(scope_line(result))}. modelcast {escape(package_version())}.</p>',
-        *(
-            f'<p class="finding"><strong>{title}.</strong> {escape(text)}</p>'
-            for title, text in findings(result)
-        ),
+        *findings_paragraphs(findings(result)),
         _warnings(result.trips),
         *(f'<p class="note">{escape(line)}.</p>' for line in training_lines(result)),
         _protocols(result),

@@ -16,7 +16,7 @@ from modelcast.report.fleet_warnings import warnings_console, warnings_markdown,
 from modelcast.report.literal import Prose
 from modelcast.report.mixed import mixed_markdown, mixed_part
 from modelcast.report.network_findings import network_findings
-from modelcast.report.page import CSS, figure, page
+from modelcast.report.page import CSS, figure, findings_paragraphs, page
 from modelcast.report.seed_means import people_cells, roadside_cells
 from modelcast.report.settings_section import settings_section
 from modelcast.report.style import style
@@ -228,10 +228,7 @@ def write_network_report(
         more = [drawn(name, plot) for part in parts for name, (_, plot) in part.figures.items()]
     body = [
         "<h1>Fleets on a shared channel</h1>",
-        *(
-            f'<p class="finding"><strong>{title}.</strong> {escape(text)}</p>'
-            for title, text in network_findings(result, options)
-        ),
+        *findings_paragraphs(network_findings(result, options)),
         f'<p class="scope">{escape(_SCOPE)}</p>',
         *(f'<p class="note">{escape(line)}.</p>' for line in notes),
         _cells(result).html(),

@@ -1,5 +1,6 @@
 """An HTML page, with every string escaped."""
 
+import re
 from collections.abc import Iterable, Sequence
 
 from modelcast.core.cells import escape
@@ -7,7 +8,9 @@ from modelcast.report.figures.files import Drawing
 from modelcast.report.scripts import content_policy, script, static_text
 from modelcast.report.svg_address import svg_address
 
-__all__ = ["CSS", "embedded_figure", "figure", "page"]
+__all__ = ["CSS", "embedded_figure", "figure", "findings_paragraphs", "page"]
+
+_UNIT = re.compile(r"(?<=\d) (?=(?:%|°/s|cm|m|m/s|m/s²|km|s|min|h)(?![\w/]))")  # the blank before a unit
 
 CSS = """
 :root { color-scheme: light; }
@@ -92,6 +95,26 @@ def figure(source: str, caption: str) -> str:
         f'<figure><img src="{escape(source)}" alt="{escape(caption)}">'
         f"<figcaption>{escape(caption)}</figcaption></figure>"
     )
+
+
+def findings_paragraphs(findings: Iterable[tuple[str, str]]) -> list[str]:
+    """Return what a report says first as markup; at the end of a line no number is parted from its unit.
+
+    Parameters
+    ----------
+    findings
+        A title and its sentences for each paragraph, plain text.
+
+    Examples
+    --------
+    >>> (line,) = findings_paragraphs([("Found", "Of 3 cars, with 40 % lost.")])
+    >>> line.replace(chr(0xA0), "~")
+    '<p class="finding"><strong>Found.</strong> Of 3 cars, with 40~% lost.</p>'
+    """
+    return [
+        f'<p class="finding"><strong>{escape(title)}.</strong> {_UNIT.sub(chr(0xA0), escape(text))}</p>'
+        for title, text in findings
+    ]
 
 
 def embedded_figure(drawing: Drawing, place: int, title: str, caption: str) -> str:
