@@ -7,9 +7,10 @@ Messages and errors stand together, for neither is equal in these runs.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
-from modelcast.report.ratio_words import MESSAGES, counted, numbers, range_text, share_text, verdict
+from modelcast.report.ratio_words import ERROR, MESSAGES, counted, numbers, range_text, share_text, verdict
 from modelcast.study.network.rows import NO_BANK, NetworkResult
 from modelcast.study.table import Row
 
@@ -17,7 +18,6 @@ __all__ = ["network_findings"]
 
 _MODELS = "mbc"
 _SENT, _ERRED = "message_rate_hz", "pte_p90_m"
-_LARGE = ("smaller than", "as large as", "larger than")
 _MOST_SENDERS = 4
 
 _Place = tuple[str, ...]
@@ -27,8 +27,8 @@ _Place = tuple[str, ...]
 class _Beside:
     """One sender of models beside a rival, over all densities and radios that both ran at.
 
-    ``messages`` and ``errors`` are its own over the rival's; ``alike`` counts the places at which intervals
-    of the errors over the seeds overlap, None without intervals.
+    ``messages`` and ``errors`` are its own over the rival's, as far as both are known; ``alike`` tells of
+    each place with intervals of both errors over the seeds whether these overlap.
     """
 
     sender: str
@@ -36,7 +36,7 @@ class _Beside:
     is_free: bool
     messages: list[float]
     errors: list[float]
-    alike: int | None
+    alike: list[bool]
 
 
 def network_findings(
@@ -61,7 +61,12 @@ def network_findings(
     if not senders:
         return []
     data = [] if options is None else [("Data", _data(result, options))]
-    return [("Found", _found(pairs, senders)), ("Not found", _not_found(pairs, senders)), *data]
+    places = _places(result)
+    return [
+        ("Found", _found(pairs, senders, places)),
+        ("Not found", _not_found(pairs, senders, places)),
+        *data,
+    ]
 
 
 def _sends_models(policy: str) -> bool:
@@ -106,18 +111,17 @@ def _beside(
     sender: str, rival: str, both: Sequence[tuple[Mapping[str, Row], Mapping[str, Row]]], *, is_free: bool
 ) -> _Beside:
     errors = [(own[_ERRED], other[_ERRED]) for own, other in both]
-    known = [
-        one.low <= two.high and two.low <= one.high
-        for one, two in errors
-        if None not in {one.low, one.high, two.low, two.high}
-    ]
     return _Beside(
         sender,
         rival,
         is_free=is_free,
         messages=numbers(_over(own[_SENT].value, other[_SENT].value) for own, other in both),
         errors=numbers(_over(one.value, two.value) for one, two in errors),
-        alike=sum(known) if known else None,
+        alike=[
+            one.low <= two.high and two.low <= one.high
+            for one, two in errors
+            if len(numbers((one.low, one.high, two.low, two.high))) == 4
+        ],
     )
 
 
@@ -125,42 +129,59 @@ def _over(own: float, other: float) -> float | None:
     return own / other if other > 0.0 else None
 
 
-def _found(pairs: Sequence[_Beside], senders: Sequence[str]) -> str:
-    said: list[str] = []
-    for sender in senders[:_MOST_SENDERS]:
-        for one in pairs:
-            if one.sender != sender or not one.messages or not one.errors:
-                continue
-            said.append(
-                f"{sender} sent {verdict(one.messages, MESSAGES)} {one.rival} "
-                f"({range_text(one.messages)} times as many) with an error {verdict(one.errors, _LARGE)} its "
-                f"({range_text(one.errors)} times as large)"
-            )
+def _found(pairs: Sequence[_Beside], senders: Sequence[str], places: str) -> str:
+    shown = senders[:_MOST_SENDERS]
+    held = [one for sender in shown for one in pairs if one.sender == sender]
+    said = [text for one in held if (text := _held(one))]
     more = len(senders) - _MOST_SENDERS
     rest = f" The table has {more} more senders of models." if more > 0 else ""
     if not said:
-        return f"{', '.join(senders[:_MOST_SENDERS])}: no rival was run beside them.{rest}"
-    return f"Over all densities and radios, by the 90th percentile: {'; '.join(said)}.{rest}"
+        why = "nothing was measured beside a rival" if held else "no rival was run beside them"
+        return f"{', '.join(shown)}: {why}.{rest}"
+    by = ", by the 90th percentile" if any(one.errors for one in held) else ""
+    return f"Over all {places}{by}: {'; '.join(said)}.{rest}"
 
 
-def _not_found(pairs: Sequence[_Beside], senders: Sequence[str]) -> str:
+def _held(one: _Beside) -> str:
+    """Say how many messages a sender sent beside its rival and how it erred, each where it is known."""
+    sent = ""
+    if one.messages:
+        many = f"({range_text(one.messages)} times as many)"
+        sent = f"{one.sender} sent {verdict(one.messages, MESSAGES)} {one.rival} {many}"
+    if not one.errors:
+        return sent
+    erred = f"with an error {verdict(one.errors, ERROR)}"
+    over = f"({range_text(one.errors)} times as large)"
+    return f"{sent} {erred} its {over}" if sent else f"{one.sender} sent {erred} {one.rival}'s {over}"
+
+
+def _not_found(pairs: Sequence[_Beside], senders: Sequence[str], places: str) -> str:
     lines: list[str] = []
     for sender in senders[:_MOST_SENDERS]:
         free = next((one for one in pairs if one.sender == sender and one.is_free), None)
         if free is None:
             lines.append(f"{sender} was not held against a free receiver by the same rules")
             continue
-        cases = len(free.errors)
-        worse = share_text(sum(ratio > 1.0 for ratio in free.errors), cases)
+        if not free.errors:
+            lines.append(f"no error of {sender} was measured beside {free.rival}'s")
+            continue
+        worse = share_text(sum(ratio > 1.0 for ratio in free.errors), len(free.errors))
         text = f"the error of {sender} was larger than {free.rival}'s in {worse}"
-        if free.alike is not None:
-            text += f", and intervals over the seeds overlap in {share_text(free.alike, cases)}"
+        if free.alike:
+            overlapping = share_text(sum(free.alike), len(free.alike))
+            text += f", and intervals over the seeds overlap in {overlapping}"
         lines.append(text)
-    return f"Of the cases (densities and radios), {'; '.join(lines)}." + (
+    return f"Of the cases ({places}), {'; '.join(lines)}." + (
         " One seed has no interval that tells this from chance."
-        if any(one.is_free and one.alike is None for one in pairs)
+        if any(one.is_free and one.errors and not one.alike for one in pairs)
         else ""
     )
+
+
+def _places(result: NetworkResult) -> str:
+    """What the cases differ in: thresholds too, where there are several."""
+    several = len({row.threshold_m for row in result.pooled if isfinite(row.threshold_m)}) > 1
+    return "densities, radios and thresholds" if several else "densities and radios"
 
 
 _SUMO = "sumo"
@@ -172,14 +193,12 @@ _ENDING = ("platoon",)
 def _data(result: NetworkResult, options: Mapping[str, Any]) -> str:
     """Which traffic, for how long, and how often; of classes of traffic not where they have it from."""
     seeds = max((row.seeds for row in result.pooled), default=0)
-    lasts = f", {options['duration_s']:g} s each" if "duration_s" in options else ""
-    many = counted(seeds, "seed")
-    scenario = options.get("scenario")
+    many, scenario = counted(seeds, "seed"), options.get("scenario")
+    most = "at most " if scenario is not None and (scenario in _ENDING or "." in scenario) else ""
+    lasts = f", {most}{options['duration_s']:g} s each" if "duration_s" in options else ""
     if scenario is None:
         classes = ", ".join(dict.fromkeys(options.get("scenarios", ())))
         return f"traffic {classes}; {many}{lasts}." if classes else f"{many}{lasts}."
-    if scenario in _ENDING or "." in scenario:
-        lasts = lasts.replace(", ", ", at most ")
     if scenario in _RECORDED:
         origin = f"recorded trips ({', '.join(options.get('trips', ()))})"
     elif scenario.startswith(_SUMO) or "." in scenario:
