@@ -2,10 +2,11 @@
 
 A sender of models is held against those that differ from it in the model alone: of plain messages by the
 same rules, which receivers coast with their acceleration and turn (the free one) or at constant velocity.
+Where the latter sends unfiltered motion, that is told; where it has other timers, it is left out.
 Messages and errors stand together, for neither is equal in these runs.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
@@ -19,6 +20,9 @@ __all__ = ["network_findings"]
 _MODELS = "mbc"
 _SENT, _ERRED = "message_rate_hz", "pte_p90_m"
 _MOST_SENDERS = 4
+
+_UNFILTERED = ("j2945", "j3161")
+"""Senders of what was measured, whose counterparts with models send the filtered motion."""
 
 _Place = tuple[str, ...]
 
@@ -73,12 +77,24 @@ def _sends_models(policy: str) -> bool:
     return "+" not in policy and _MODELS in policy.partition(":")[0].split("-")
 
 
-def _rivals(policy: str) -> list[tuple[str, bool]]:
-    """The policies that differ from a sender of models in the model alone, the free one first."""
+def _rivals(policy: str, run: Container[str]) -> list[tuple[str, str, bool]]:
+    """Who differs from a sender of models in the model alone, what it is called, and whether it is free.
+
+    The free one is first. The plain one of a sender of filtered motion is filtered too where that was run,
+    else told as unfiltered; one of other timers has none.
+    """
     head, colon, words = policy.partition(":")
-    plain = "baseline" if head == _MODELS else head.partition(f"-{_MODELS}")[0]
-    free = "-".join("free" if part == _MODELS else part for part in head.split("-"))
-    return [(f"{free}{colon}{words}", True), (f"{plain}{colon}{words}", False)]
+    parts = head.split("-")
+    at = parts.index(_MODELS)
+    free = f"{'-'.join('free' if part == _MODELS else part for part in parts)}{colon}{words}"
+    if at + 1 < len(parts):
+        return [(free, free, True)]
+    name = "-".join(parts[:at]) or "baseline"
+    plain, filtered = f"{name}{colon}{words}", f"{name}-filtered{colon}{words}"
+    if name not in _UNFILTERED:
+        return [(free, free, True), (plain, plain, False)]
+    rival = (filtered, filtered) if filtered in run else (plain, f"unfiltered {plain}")
+    return [(free, free, True), (*rival, False)]
 
 
 def _label(result: NetworkResult, row: Row) -> str:
@@ -97,13 +113,14 @@ def _pairs(result: NetworkResult) -> list[_Beside]:
     for (policy, label), own in by_sender.items():
         if not _sends_models(policy):
             continue
-        for rival, is_free in _rivals(policy):
+        run = {name for name, _ in by_sender}
+        for rival, called, is_free in _rivals(policy, run):
             other = by_sender.get((rival, rival))
             if other is None:
                 continue
             both = [(own[place], other[place]) for place in own if place in other]
             if both:
-                found.append(_beside(label, rival, both, is_free=is_free))
+                found.append(_beside(label, called, both, is_free=is_free))
     return found
 
 
