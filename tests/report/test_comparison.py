@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from modelcast.models.bank import Bank
 from modelcast.report.comparison import (
     comparison_console,
     comparison_markdown,
@@ -20,6 +21,7 @@ from modelcast.report.comparison_findings import comparison_findings
 from modelcast.report.figures import plot_comparison
 from modelcast.report.figures.files import Drawing, drawn
 from modelcast.report.style import style
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.compare.result import (
     COUNTS,
     RATIOS,
@@ -65,7 +67,7 @@ def made(
         candidates=tuple(
             CandidateRow(
                 name,
-                ("ConstantVelocity()",),
+                (f"SubModel({name!r})",),
                 start="order",
                 identify="on-failure",
                 is_trained=False,
@@ -441,15 +443,34 @@ def test_errors_that_were_not_measured_are_not_spoken_of() -> None:
     assert comparison_findings(made(protocols=())) == []
 
 
+def with_bank(result: ComparisonResult, name: str, bank: Bank) -> ComparisonResult:
+    """The same, one candidate with the sub-models of this bank."""
+    members = tuple(repr(member) for member in bank.members)
+    every = (replace(one, sub_models=members) if one.name == name else one for one in result.candidates)
+    return replace(result, candidates=tuple(every))
+
+
 def test_the_baseline_has_no_second_table_nor_has_a_candidate_alone() -> None:
     result = against("cv")
-    ones = RATIOS.table(
-        row.replaced(message_ratio=1.0) if row.candidate == "cv" else row for row in result.ratios
-    )
     assert result.rival == "cv"
-    assert replace(result, ratios=ones).rival is None
+    assert with_bank(result, "cv", BASELINE_BANK).rival is None
     assert replace(result, candidates=result.candidates[:1]).rival is None
     assert made().rival is None
+
+
+def test_who_sends_as_many_messages_as_the_baseline_need_not_be_it() -> None:
+    result = with_bank(against("ctra"), "cv", BASELINE_BANK)
+    tie = replace(
+        result,
+        ratios=RATIOS.table(
+            row.replaced(message_ratio=1.0) if row.candidate == "ctra" else row for row in result.ratios
+        ),
+    )
+    assert tie.rival == "ctra"
+    assert [tie.is_baseline(name) for name in ("cv", "ctra", "nobody")] == [True, False, False]
+    found = comparison_findings(tie)[0][1]
+    assert "ctra sent as many messages as the baseline (1.00 times as many)" in found
+    assert "cv sent" not in found
 
 
 @pytest.mark.slow

@@ -61,12 +61,8 @@ def comparison_findings(result: ComparisonResult) -> list[tuple[str, str]]:
 def _judged(result: ComparisonResult) -> list[str]:
     """Candidates that are neither the baseline nor the free receiver; all, where there are no others."""
     names = [row.name for row in result.candidates]
-    plain = {result.free, *(name for name in names if _is_baseline(result, name))}
+    plain = {result.free, *(name for name in names if result.is_baseline(name))}
     return [name for name in names if name not in plain] or names
-
-
-def _is_baseline(result: ComparisonResult, name: str) -> bool:
-    return {row.message_ratio for row in result.ratios if row.candidate == name} == {1.0}
 
 
 def _rivals(result: ComparisonResult) -> list[str | None]:
