@@ -424,6 +424,42 @@ def test_what_was_found_and_what_not_stands_first_and_names_the_data() -> None:
     assert page.index("Not found, sensor") < page.index("<figure>") < page.index("<table>")
 
 
+def with_ends(result: ComparisonResult, free: str) -> ComparisonResult:
+    """The same with intervals of the error over the free receiver's, which hold 1 without loss alone."""
+
+    def ended(row: Row) -> Row:
+        low = 0.9 if row.packet_error_ratio == 0.0 or row.candidate == free else 1.05
+        return row.replaced(p90_over_free_low=low, p90_over_free_high=1.1)
+
+    return replace(result, tracking=TRACKING_RATIOS.table(map(ended, result.tracking)))
+
+
+def test_intervals_are_counted_of_the_cases_told_and_of_nobody_beside_itself() -> None:
+    missed = dict(comparison_findings(with_ends(against("ctra", free="ctra"), "ctra")))["Not found, recorded"]
+    assert (
+        "The interval over the trips of the error over the free receiver's at the same rate holds 1 in none "
+        "of 4. The interval over the trips of messages over the free receiver's" in missed
+    )
+    plain = dict(comparison_findings(made()))["Not found, recorded"]
+    assert "the error over the better baseline's at the same rate holds 1 in 1 of 6." in plain
+
+
+def test_messages_have_their_interval_where_errors_have_none() -> None:
+    missed = dict(comparison_findings(against("ctra", free="ctra")))["Not found, recorded"]
+    assert "has no interval that tells this from chance. The interval over the trips of messages" in missed
+
+
+def test_the_free_receiver_alone_is_held_against_the_baseline() -> None:
+    alone = made(names=("ctra",), protocols=("recorded",))
+    texts = dict(comparison_findings(replace(alone, settings={**alone.settings, "free": "ctra"})))
+    assert "ctra sent" in texts["Found"]
+    assert (
+        "the error was larger than the baseline's: ctra in all 2 at the same threshold" in texts["Not found"]
+    )
+    assert "the error over the better baseline's at the same rate holds 1 in" in texts["Not found"]
+    assert "messages over the baseline's at the same threshold holds 1 in" in texts["Not found"]
+
+
 def drawn_once(result: ComparisonResult) -> Drawing:
     with style():
         return drawn("comparison", plot_comparison(result))
