@@ -460,6 +460,16 @@ def test_the_free_receiver_alone_is_held_against_the_baseline() -> None:
     assert "messages over the baseline's at the same threshold holds 1 in" in texts["Not found"]
 
 
+def test_the_rate_of_updates_alone_is_not_told_as_the_same_rate() -> None:
+    result = with_ends(against("ctra", free="ctra"), "ctra")
+    updates = dict(comparison_findings(replace(result, settings={**result.settings, "rate_basis": "update"})))
+    assert "At the rate of its updates alone, with 40 %" in updates["Found, recorded"]
+    missed = updates["Not found, recorded"]
+    assert "m, for 0.75 times the messages) and in all 2 at the rate of its updates alone" in missed
+    assert "the error over the free receiver's at the rate of its updates alone holds 1 in" in missed
+    assert "at the same rate" not in " ".join(updates.values()).lower()
+
+
 def drawn_once(result: ComparisonResult) -> Drawing:
     with style():
         return drawn("comparison", plot_comparison(result))

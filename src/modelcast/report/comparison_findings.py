@@ -84,6 +84,9 @@ _BETTER = "the better baseline"
 
 _SENT = "sent {verdict} {rival} ({ratios} times as many)"
 _ERRED = "erred {verdict} {rival} ({ratios} times as much)"
+_OF_UPDATES = "at the rate of its updates alone"
+"""The reading in which rivals send as many messages as a candidate sends updates, not all its messages."""
+
 _MUCH = ("less than", "as much as", "more than")
 
 
@@ -111,7 +114,12 @@ def _found(result: ComparisonResult, protocol: str) -> str:
     if not parts:
         return text
     lost = f"with {100 * ratio:.4g} % of the messages lost" if ratio else "without loss"
-    return f"{text} At the same rate, {lost}, by the 90th percentile, {'; '.join(parts)}."
+    at = _at_rate(result)
+    return f"{text} {at[0].upper()}{at[1:]}, {lost}, by the 90th percentile, {'; '.join(parts)}."
+
+
+def _at_rate(result: ComparisonResult) -> str:
+    return _OF_UPDATES if result.settings.get("rate_basis") == "update" else "at the same rate"
 
 
 def _by_verdict(
@@ -164,7 +172,11 @@ def _not_found(result: ComparisonResult, protocol: str) -> str:
         text
         for name in sorted(names, key=lambda name: _mean_messages(result, name, protocol))
         if name != _measure(result)
-        and (text := worse_text(name, *_held(result, name, protocol, with_loss=lossy)))
+        and (
+            text := worse_text(
+                name, *_held(result, name, protocol, with_loss=lossy), at_rate=_at_rate(result)
+            )
+        )
     ]
     unlost = "" if lossy else " No message was lost, so nothing is said of losses."
     if not parts:
@@ -228,7 +240,7 @@ def _chance(result: ComparisonResult, protocol: str, *, with_loss: bool) -> str:
     if not known:
         return " One trip, or one route, has no interval that tells this from chance."
     alike = share_text(sum(low <= 1.0 <= high for low, high in known), len(known))
-    over = f"the error over {_BETTER if rival is None else _named(rival)}'s at the same rate"
+    over = f"the error over {_BETTER if rival is None else _named(rival)}'s {_at_rate(result)}"
     return f" The interval over the trips of {over} holds 1 in {alike}."
 
 
