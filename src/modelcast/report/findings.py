@@ -160,7 +160,7 @@ def _repeating(result: EvaluationResult, lines: Sequence[Headline]) -> str:
 def _not_found(result: EvaluationResult, lines: Sequence[Headline]) -> str:
     ratios = evaluated_ratios(result)
     lossy = [ratio for ratio in ratios if ratio > 0.0]
-    saved = _saved_by_free(lines)
+    saved = _saved(result, lines)
     if not ratios:
         return f"Errors were not measured, so nothing is said of what these messages are worth.{saved}"
     shown = lossy or ratios
@@ -185,24 +185,23 @@ def _not_found(result: EvaluationResult, lines: Sequence[Headline]) -> str:
     return f"{larger}{chance_text(matched, rival)}{saved}{repeating}{unlost}"
 
 
-def _saved_by_free(lines: Sequence[Headline]) -> str:
-    """Say how much of the saving needs no model."""
+def _saved(result: EvaluationResult, lines: Sequence[Headline]) -> str:
+    """Say how much of the baseline's messages a receiver saves without a model, and how much the sender."""
     shares = [
-        (line.baseline.total_rate_hz - line.free.total_rate_hz)
-        / (line.baseline.total_rate_hz - line.mbc.total_rate_hz)
+        (1.0 - line.free.total_rate_hz / of, 1.0 - line.mbc.total_rate_hz / of)
         for line in lines
         if line.mbc is not None
         and line.baseline is not None
         and line.free is not None
-        and line.baseline.total_rate_hz > line.mbc.total_rate_hz
+        and (of := line.baseline.total_rate_hz) > 0.0
     ]
     if not shares:
         return ""
-    if max(shares) <= 0.0:
-        return " Without loss the free receiver saves no message over the baseline."
-    shares = [max(share, 0.0) for share in shares]
-    saved = f"saves {range_text(shares)} of the messages that are saved over the baseline"
-    return f" Without loss the free receiver alone {saved}."
+    shown = [[round(share, 2) + 0.0 for share in own] for own in zip(*shares, strict=True)]
+    free, own = (range_text(of) for of in shown)
+    more = " Below 0 it sends more." if min(map(min, shown)) < 0.0 else ""
+    saved = f"saves {free} of the baseline's messages, {sender_label(result)} {own}"
+    return f" Without loss {_FREE} {saved}.{more}"
 
 
 def _data(result: EvaluationResult) -> str:
