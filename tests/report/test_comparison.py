@@ -372,6 +372,15 @@ def test_a_third_candidate_compared_against_has_a_table_and_a_row_of_panels_of_i
     assert messages.get_ylabel() == "recorded\nratio to ctra"
 
 
+def test_the_caption_tells_of_the_row_over_a_third_candidate_where_there_is_one() -> None:
+    told = "The row over ctra: messages, bytes, airtime, and the share of trips beyond either bound."
+    drawing = Drawing("comparison", b"", b"<svg/>", b"", 1.0, 1.0)
+    for result, is_told in ((against("ctra"), True), (against("ctra", free="ctra"), False), (made(), False)):
+        page = comparison_page(result, drawing)
+        assert (told in page) == is_told
+        assert "row against the harder of both equal-rate baselines." in page
+
+
 def shown(result: ComparisonResult) -> str:
     file = io.StringIO()
     Console(width=100, file=file).print(comparison_console(result))

@@ -337,6 +337,16 @@ def test_a_result_of_nothing_has_no_sentence(make_result: Make) -> None:
     assert findings(replace(make_result(), trips=())) == []
 
 
+def test_long_lists_of_columns_are_cut_at_a_word(make_result: Make) -> None:
+    result = make_result(trips=("a/1",))
+    way = {"columns": "t=Time", "not used": "speed of wheel " * 20}
+    (trip,) = result.trips
+    said = told(replace(result, trips=(replace(trip, understood=way),)))[2]
+    assert "not used: speed of wheel speed" in said
+    assert " speed of and more." in said
+    assert len(said.partition("not used: ")[2].partition(".")[0]) <= 160
+
+
 def test_the_data_says_what_columns_were_taken_for_and_of_several_ways_where_they_stand(
     make_result: Make, read_page: Callable[[str], Any]
 ) -> None:
@@ -347,8 +357,10 @@ def test_the_data_says_what_columns_were_taken_for_and_of_several_ways_where_the
     alike = replace(result, trips=tuple(replace(trip, understood=one) for trip in result.trips))
     said = told(alike)[2]
     assert "Columns taken: t=Time, lat=Breite; only assumed: Breite in degrees; not used: rpm." in said
+    part = told(replace(result, trips=(alike.trips[0], result.trips[1])))[2]
+    assert " Of 1 of 2 trips: columns taken: t=Time, lat=Breite; only assumed" in part
     pairs = zip(result.trips, (one, other), strict=True)
     apart = replace(result, trips=tuple(replace(trip, understood=way) for trip, way in pairs))
-    assert "Their files were understood in 2 ways, which stand above the list of trips." in told(apart)[2]
+    assert "Their files were understood in 2 ways, which report.html lists above the trips." in told(apart)[2]
     words = " ".join(read_page(report_document(apart, ())).text.split())
     assert "b/2: columns t=Time, lat=Lat; assumed Breite in degrees; not used rpm." in words

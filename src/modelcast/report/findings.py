@@ -7,6 +7,7 @@ wherever the baseline is.
 
 from collections.abc import Iterable, Sequence
 from math import isfinite
+from textwrap import shorten
 
 from modelcast.report.data_words import data_text, protocol_text
 from modelcast.report.headline import (
@@ -222,15 +223,20 @@ def _understood(trips: Sequence[TripRow]) -> str:
     if not ways:
         return ""
     if len(ways) > 1:
-        return f" Their files were understood in {len(ways)} ways, which stand above the list of trips."
-    words = {"columns": "Columns taken", "assumed": "only assumed", "not used": "not used"}
+        listed = "which report.html lists above the trips"
+        return f" Their files were understood in {len(ways)} ways, {listed}."
+    if "columns" not in ways[0]:
+        return ""
+    read = sum(bool(trip.understood) for trip in trips)
+    taken = "Columns taken" if read == len(trips) else f"Of {read} of {len(trips)} trips: columns taken"
+    words = {"columns": taken, "assumed": "only assumed", "not used": "not used"}
     said = [f"{word}: {_short(ways[0][name])}" for name, word in words.items() if name in ways[0]]
-    return f" {'; '.join(said)}." if "columns" in ways[0] else ""
+    return f" {'; '.join(said)}."
 
 
 def _short(text: str) -> str:
     """Text that is long cut at a word."""
-    return text if len(text) <= _LONGEST_UNUSED else f"{text[:_LONGEST_UNUSED].rpartition(',')[0]}, ..."
+    return shorten(text, _LONGEST_UNUSED, placeholder=" and more")
 
 
 def _protocol(result: EvaluationResult, name: str) -> str:
