@@ -180,7 +180,7 @@ def _not_found(result: ComparisonResult, protocol: str) -> str:
     ]
     unlost = "" if lossy else " No message was lost, so nothing is said of losses."
     if not parts:
-        return f"Nobody's errors were measured beside {rival}.{unlost}"
+        return f"Nobody's errors were measured beside {rival}.{_chance_of_messages(result, protocol)}{unlost}"
     shown = parts[:_MOST_JUDGED]
     more = len(parts) - len(shown)
     rest = f"; the tables have {more} more" if more else ""
