@@ -181,7 +181,7 @@ def test_errors_that_were_not_measured_hide_no_messages_and_are_not_counted() ->
         baseline=(0.0, 1.0),
         j2945_mbc=(5.0, 0.2),
     )
-    assert network_findings(silent)[0][1] == "mbc, j2945-mbc: nothing was measured beside a rival."
+    assert network_findings(silent)[0][1] == "j2945-mbc, mbc: nothing was measured beside a rival."
     alone = result("default", policies=["mbc"])
     assert network_findings(alone)[0][1] == "mbc: no rival was run beside them."
 
