@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from modelcast.models.bank import Bank
 from modelcast.report.comparison import (
     comparison_console,
     comparison_markdown,
@@ -20,6 +21,7 @@ from modelcast.report.comparison_findings import comparison_findings
 from modelcast.report.figures import plot_comparison
 from modelcast.report.figures.files import Drawing, drawn
 from modelcast.report.style import style
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.compare.result import (
     COUNTS,
     RATIOS,
@@ -65,7 +67,7 @@ def made(
         candidates=tuple(
             CandidateRow(
                 name,
-                ("ConstantVelocity()",),
+                (f"SubModel({name!r})",),
                 start="order",
                 identify="on-failure",
                 is_trained=False,
@@ -370,6 +372,15 @@ def test_a_third_candidate_compared_against_has_a_table_and_a_row_of_panels_of_i
     assert messages.get_ylabel() == "recorded\nratio to ctra"
 
 
+def test_the_caption_tells_of_the_row_over_a_third_candidate_where_there_is_one() -> None:
+    told = "The row over ctra: messages, bytes, airtime, and the share of trips beyond either bound."
+    drawing = Drawing("comparison", b"", b"<svg/>", b"", 1.0, 1.0)
+    for result, is_told in ((against("ctra"), True), (against("ctra", free="ctra"), False), (made(), False)):
+        page = comparison_page(result, drawing)
+        assert (told in page) == is_told
+        assert "row against the harder of both equal-rate baselines." in page
+
+
 def shown(result: ComparisonResult) -> str:
     file = io.StringIO()
     Console(width=100, file=file).print(comparison_console(result))
@@ -422,6 +433,58 @@ def test_what_was_found_and_what_not_stands_first_and_names_the_data() -> None:
     assert page.index("Not found, sensor") < page.index("<figure>") < page.index("<table>")
 
 
+def with_ends(result: ComparisonResult, free: str) -> ComparisonResult:
+    """The same with intervals of the error over the free receiver's, which hold 1 without loss alone."""
+
+    def ended(row: Row) -> Row:
+        low = 0.9 if row.packet_error_ratio == 0.0 or row.candidate == free else 1.05
+        return row.replaced(p90_over_free_low=low, p90_over_free_high=1.1)
+
+    return replace(result, tracking=TRACKING_RATIOS.table(map(ended, result.tracking)))
+
+
+def test_intervals_are_counted_of_the_cases_told_and_of_nobody_beside_itself() -> None:
+    missed = dict(comparison_findings(with_ends(against("ctra", free="ctra"), "ctra")))["Not found, recorded"]
+    assert (
+        "The interval over the trips of the error over the free receiver's at the same rate holds 1 in none "
+        "of 4. The interval over the trips of messages over the free receiver's" in missed
+    )
+    plain = dict(comparison_findings(made()))["Not found, recorded"]
+    assert "the error over the better baseline's at the same rate holds 1 in 1 of 6." in plain
+
+
+def test_messages_have_their_interval_where_errors_have_none() -> None:
+    result = against("ctra", free="ctra")
+    missed = dict(comparison_findings(result))["Not found, recorded"]
+    assert "has no interval that tells this from chance. The interval over the trips of messages" in missed
+    unknown = TRACKING_RATIOS.table(
+        row.replaced(free_p90_m=None, free_matched_p90_m=None) for row in result.tracking
+    )
+    missed = dict(comparison_findings(replace(result, tracking=unknown)))["Not found, recorded"]
+    assert missed.startswith("Nobody's errors were measured beside the free receiver's. The interval over")
+
+
+def test_the_free_receiver_alone_is_held_against_the_baseline() -> None:
+    alone = made(names=("ctra",), protocols=("recorded",))
+    texts = dict(comparison_findings(replace(alone, settings={**alone.settings, "free": "ctra"})))
+    assert "ctra sent" in texts["Found"]
+    assert (
+        "the error was larger than the baseline's: ctra in all 2 at the same threshold" in texts["Not found"]
+    )
+    assert "the error over the better baseline's at the same rate holds 1 in" in texts["Not found"]
+    assert "messages over the baseline's at the same threshold holds 1 in" in texts["Not found"]
+
+
+def test_the_rate_of_updates_alone_is_not_told_as_the_same_rate() -> None:
+    result = with_ends(against("ctra", free="ctra"), "ctra")
+    updates = dict(comparison_findings(replace(result, settings={**result.settings, "rate_basis": "update"})))
+    assert "At the rate of its updates alone, with 40 %" in updates["Found, recorded"]
+    missed = updates["Not found, recorded"]
+    assert "m, for 0.75 times the messages) and in all 2 at the rate of its updates alone" in missed
+    assert "the error over the free receiver's at the rate of its updates alone holds 1 in" in missed
+    assert "at the same rate" not in " ".join(updates.values()).lower()
+
+
 def drawn_once(result: ComparisonResult) -> Drawing:
     with style():
         return drawn("comparison", plot_comparison(result))
@@ -441,15 +504,34 @@ def test_errors_that_were_not_measured_are_not_spoken_of() -> None:
     assert comparison_findings(made(protocols=())) == []
 
 
+def with_bank(result: ComparisonResult, name: str, bank: Bank) -> ComparisonResult:
+    """The same, one candidate with the sub-models of this bank."""
+    members = tuple(repr(member) for member in bank.members)
+    every = (replace(one, sub_models=members) if one.name == name else one for one in result.candidates)
+    return replace(result, candidates=tuple(every))
+
+
 def test_the_baseline_has_no_second_table_nor_has_a_candidate_alone() -> None:
     result = against("cv")
-    ones = RATIOS.table(
-        row.replaced(message_ratio=1.0) if row.candidate == "cv" else row for row in result.ratios
-    )
     assert result.rival == "cv"
-    assert replace(result, ratios=ones).rival is None
+    assert with_bank(result, "cv", BASELINE_BANK).rival is None
     assert replace(result, candidates=result.candidates[:1]).rival is None
     assert made().rival is None
+
+
+def test_who_sends_as_many_messages_as_the_baseline_need_not_be_it() -> None:
+    result = with_bank(against("ctra"), "cv", BASELINE_BANK)
+    tie = replace(
+        result,
+        ratios=RATIOS.table(
+            row.replaced(message_ratio=1.0) if row.candidate == "ctra" else row for row in result.ratios
+        ),
+    )
+    assert tie.rival == "ctra"
+    assert [tie.is_baseline(name) for name in ("cv", "ctra", "nobody")] == [True, False, False]
+    found = comparison_findings(tie)[0][1]
+    assert "ctra sent as many messages as the baseline (1.00 times as many)" in found
+    assert "cv sent" not in found
 
 
 @pytest.mark.slow

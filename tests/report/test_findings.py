@@ -173,17 +173,22 @@ def test_a_run_of_rates_alone_says_that_no_error_was_measured(make_result: Make)
 @pytest.mark.parametrize(
     ("mbc", "free", "said"),
     [
-        (
-            0.5,
-            0.55,
-            "Without loss the free receiver alone saves 0.90 of the messages that are saved over",
-        ),
-        (0.5, 1.2, "Without loss the free receiver saves no message over the baseline"),
-        (0.5, 0.4, "the free receiver alone saves 1.20 of the messages"),
+        (0.5, 0.55, "Without loss the free receiver saves 0.45 of the baseline's messages, MBC 0.50. Under"),
+        (0.5, 1.2, "free receiver saves -0.20 of the baseline's messages, MBC 0.50. Below 0 it sends more."),
+        (1.004, 0.4, "the free receiver saves 0.60 of the baseline's messages, MBC 0.00. Under"),
     ],
 )
 def test_where_the_saving_comes_from_is_told(make_result: Make, mbc: float, free: float, said: str) -> None:
-    assert said in told(with_rates(make_result(), mbc, free))[1]
+    result = with_settings(with_rates(make_result(), mbc, free), believe="expected")
+    assert said in told(result)[1]
+
+
+def test_savings_are_told_of_every_threshold_also_where_models_save_nothing(make_result: Make) -> None:
+    result = make_result(thresholds=(0.2, 0.5))
+    hz = {("mbc", 0.2): 1.3, ("mbc", 0.5): 0.9, ("free", 0.2): 0.7, ("free", 0.5): 0.8}
+    rates = (row.replaced(total_rate_hz=hz.get((row.policy, row.threshold_m), 1.0)) for row in result.rates)
+    said = told(replace(result, rates=RATES.table(rates)))[1]
+    assert "the free receiver saves 0.20 to 0.30 of the baseline's messages, MBC -0.30 to 0.10." in said
 
 
 def test_nothing_is_said_of_who_was_not_run(make_result: Make) -> None:
@@ -332,6 +337,16 @@ def test_a_result_of_nothing_has_no_sentence(make_result: Make) -> None:
     assert findings(replace(make_result(), trips=())) == []
 
 
+def test_long_lists_of_columns_are_cut_at_a_word(make_result: Make) -> None:
+    result = make_result(trips=("a/1",))
+    way = {"columns": "t=Time", "not used": "speed of wheel " * 20}
+    (trip,) = result.trips
+    said = told(replace(result, trips=(replace(trip, understood=way),)))[2]
+    assert "not used: speed of wheel speed" in said
+    assert "speed of wheel and more." in said
+    assert len(said.partition("not used: ")[2].partition(".")[0]) <= 160
+
+
 def test_the_data_says_what_columns_were_taken_for_and_of_several_ways_where_they_stand(
     make_result: Make, read_page: Callable[[str], Any]
 ) -> None:
@@ -342,8 +357,10 @@ def test_the_data_says_what_columns_were_taken_for_and_of_several_ways_where_the
     alike = replace(result, trips=tuple(replace(trip, understood=one) for trip in result.trips))
     said = told(alike)[2]
     assert "Columns taken: t=Time, lat=Breite; only assumed: Breite in degrees; not used: rpm." in said
+    part = told(replace(result, trips=(alike.trips[0], result.trips[1])))[2]
+    assert " Of 1 of 2 trips: columns taken: t=Time, lat=Breite; only assumed" in part
     pairs = zip(result.trips, (one, other), strict=True)
     apart = replace(result, trips=tuple(replace(trip, understood=way) for trip, way in pairs))
-    assert "Their files were understood in 2 ways, which stand above the list of trips." in told(apart)[2]
+    assert "Their files were understood in 2 ways, which report.html lists above the trips." in told(apart)[2]
     words = " ".join(read_page(report_document(apart, ())).text.split())
     assert "b/2: columns t=Time, lat=Lat; assumed Breite in degrees; not used rpm." in words

@@ -250,6 +250,19 @@ def test_settings_that_are_as_by_default_are_folded() -> None:
     assert "seeds</td>" in folded
 
 
+def test_sub_models_of_the_same_names_and_other_numbers_are_not_as_by_default() -> None:
+    usual = {"sub_models": ["Free(gain=1.0)"], "sub_model_names": ["free"]}
+    same = settings_section(usual, usual)
+    assert "As by default (1)" in same
+    assert "not the shipped numbers" not in same
+    own = settings_section({**usual, "sub_models": ["Free(gain=2.0)"]}, usual)
+    assert "As by default" not in own
+    assert "free (not the shipped numbers)</td>" in own
+    other = settings_section({"sub_models": ["ConstantVelocity()"], "sub_model_names": ["cv"]}, usual)
+    assert "cv</td>" in other
+    assert "not the shipped numbers" not in other
+
+
 def test_a_long_setting_is_shortened_and_says_where_it_is_whole() -> None:
     long = ", ".join(f"file {at}" for at in range(100))
     text = settings_section({"paths": long})

@@ -110,9 +110,19 @@ _CAPTION = (
     "A row of panels for each protocol and rival. Two panels at the left: messages and airtime at the same "
     "threshold without loss, ratios of sums over all trips. Then the 90th percentile of the tracking error "
     "over the rival's, at the worst threshold: first where all run at the same threshold, then where all "
-    "send as often as the candidate, against the harder of both equal-rate baselines. Thin bars are 95 % "
-    "bootstrap intervals over the trips; banks of several sub-models are dashed."
+    "send as often as the candidate, in the baseline's row against the harder of both equal-rate baselines. "
+    "Thin bars are 95 % bootstrap intervals over the trips; banks of several sub-models are dashed."
 )
+
+
+def _caption(result: ComparisonResult) -> str:
+    """What the figure shows: of a third candidate compared against too, where there is one."""
+    if result.rival in (None, result.free):
+        return _CAPTION
+    return (
+        f"{_CAPTION} The row over {result.rival}: messages, bytes, airtime, and the share of trips beyond "
+        "either bound."
+    )
 
 
 def comparison_page(result: ComparisonResult, drawing: Drawing) -> str:
@@ -132,7 +142,7 @@ def comparison_page(result: ComparisonResult, drawing: Drawing) -> str:
         *findings_paragraphs(comparison_findings(result)),
         *(f'<p class="note">warning: {escape(line)}.</p>' for line in warned),
         *(f'<p class="note">{escape(line)}.</p>' for line in _training_lines(result)),
-        embedded_figure(drawing, 1, "Every candidate beside its rivals", _CAPTION),
+        embedded_figure(drawing, 1, "Every candidate beside its rivals", _caption(result)),
     ]
     for protocol in protocols(result):
         body.append(f"<h2>Protocol {escape(protocol)}</h2>")

@@ -61,12 +61,13 @@ def comparison_findings(result: ComparisonResult) -> list[tuple[str, str]]:
 def _judged(result: ComparisonResult) -> list[str]:
     """Candidates that are neither the baseline nor the free receiver; all, where there are no others."""
     names = [row.name for row in result.candidates]
-    plain = {result.free, *(name for name in names if _is_baseline(result, name))}
+    plain = {result.free, *(name for name in names if result.is_baseline(name))}
     return [name for name in names if name not in plain] or names
 
 
-def _is_baseline(result: ComparisonResult, name: str) -> bool:
-    return {row.message_ratio for row in result.ratios if row.candidate == name} == {1.0}
+def _measure(result: ComparisonResult) -> str | None:
+    """Beside whom candidates may err more: the free receiver; where it is judged, the baseline, as None."""
+    return None if _judged(result) == [result.free] else result.free
 
 
 def _rivals(result: ComparisonResult) -> list[str | None]:
@@ -78,8 +79,14 @@ def _named(rival: str | None) -> str:
     return "the baseline" if rival is None else "the free receiver"
 
 
+_BETTER = "the better baseline"
+"""The one of both baselines at the same rate that errs less."""
+
 _SENT = "sent {verdict} {rival} ({ratios} times as many)"
 _ERRED = "erred {verdict} {rival} ({ratios} times as much)"
+_OF_UPDATES = "at the rate of its updates alone"
+"""The reading in which rivals send as many messages as a candidate sends updates, not all its messages."""
+
 _MUCH = ("less than", "as much as", "more than")
 
 
@@ -99,7 +106,7 @@ def _found(result: ComparisonResult, protocol: str) -> str:
         return text
     parts = []
     for rival in _rivals(result):
-        who = "the better baseline" if rival is None else _named(rival)
+        who = _BETTER if rival is None else _named(rival)
         ratios = {
             name: _error_ratios(result, name, protocol, rival, ratio) for name in names if name != rival
         }
@@ -107,7 +114,12 @@ def _found(result: ComparisonResult, protocol: str) -> str:
     if not parts:
         return text
     lost = f"with {100 * ratio:.4g} % of the messages lost" if ratio else "without loss"
-    return f"{text} At the same rate, {lost}, by the 90th percentile, {'; '.join(parts)}."
+    at = _at_rate(result)
+    return f"{text} {at[0].upper()}{at[1:]}, {lost}, by the 90th percentile, {'; '.join(parts)}."
+
+
+def _at_rate(result: ComparisonResult) -> str:
+    return _OF_UPDATES if result.settings.get("rate_basis") == "update" else "at the same rate"
 
 
 def _by_verdict(
@@ -155,20 +167,26 @@ def _not_found(result: ComparisonResult, protocol: str) -> str:
         return f"{said}{_chance_of_messages(result, protocol)}"
     lossy = any(row.packet_error_ratio for row in result.tracking)
     kind = "cases (thresholds and loss ratios)" if lossy else "cases (thresholds)"
-    rival = "the free receiver's" if result.free is not None else "the baseline's"
+    rival = f"{_named(_measure(result))}'s"
     parts = [
         text
         for name in sorted(names, key=lambda name: _mean_messages(result, name, protocol))
-        if name != result.free and (text := worse_text(name, *_held(result, name, protocol, with_loss=lossy)))
+        if name != _measure(result)
+        and (
+            text := worse_text(
+                name, *_held(result, name, protocol, with_loss=lossy), at_rate=_at_rate(result)
+            )
+        )
     ]
     unlost = "" if lossy else " No message was lost, so nothing is said of losses."
     if not parts:
-        return f"Nobody's errors were measured beside {rival}.{unlost}"
+        return f"Nobody's errors were measured beside {rival}.{_chance_of_messages(result, protocol)}{unlost}"
     shown = parts[:_MOST_JUDGED]
     more = len(parts) - len(shown)
     rest = f"; the tables have {more} more" if more else ""
     larger = f"Of the {kind}, the error was larger than {rival}: {'; '.join(shown)}{rest}."
-    return f"{larger}{_chance(result, protocol)}{unlost}"
+    chance = _chance(result, protocol, with_loss=lossy)
+    return f"{larger}{chance}{_chance_of_messages(result, protocol)}{unlost}"
 
 
 def _mean_messages(result: ComparisonResult, name: str, protocol: str) -> float:
@@ -179,13 +197,13 @@ def _mean_messages(result: ComparisonResult, name: str, protocol: str) -> float:
 def _held(
     result: ComparisonResult, name: str, protocol: str, *, with_loss: bool
 ) -> tuple[list[HeldErrors], list[HeldErrors]]:
-    """A candidate's cases beside the free receiver, or the baseline where that is not run, by reading."""
+    """A candidate's cases beside whom it is held against, by reading."""
     same: list[HeldErrors] = []
     matched: list[HeldErrors] = []
     for row in _pooled(result, name, protocol):
         if with_loss and row.packet_error_ratio == 0.0:
             continue
-        if result.free is not None:
+        if _measure(result) is not None:
             pairs = (
                 (same, row.free_p90_m, row.free_rate_hz),
                 (matched, row.free_matched_p90_m, row.free_matched_rate_hz),
@@ -210,32 +228,36 @@ def _held(
     return same, matched
 
 
-def _chance(result: ComparisonResult, protocol: str) -> str:
-    """Say where other trips might turn the verdict."""
-    ends = ("p90_low", "p90_high") if result.free is None else ("p90_over_free_low", "p90_over_free_high")
-    rows = [row for name in _judged(result) for row in _pooled(result, name, protocol)]
-    limits = [tuple(row.picked(ends).values()) for row in rows]
+def _chance(result: ComparisonResult, protocol: str, *, with_loss: bool) -> str:
+    """Say where other trips might turn the verdict on errors."""
+    rival = _measure(result)
+    ends = ("p90_low", "p90_high") if rival is None else ("p90_over_free_low", "p90_over_free_high")
+    rows = [row for name in _judged(result) if name != rival for row in _pooled(result, name, protocol)]
+    limits = [
+        tuple(row.picked(ends).values()) for row in rows if row.packet_error_ratio > 0.0 or not with_loss
+    ]
     known = [(low, high) for low, high in limits if low is not None and high is not None]
     if not known:
         return " One trip, or one route, has no interval that tells this from chance."
     alike = share_text(sum(low <= 1.0 <= high for low, high in known), len(known))
-    text = f" The interval over the trips of the ratio at the same rate holds 1 in {alike}."
-    return f"{text}{_chance_of_messages(result, protocol)}"
+    over = f"the error over {_BETTER if rival is None else _named(rival)}'s {_at_rate(result)}"
+    return f" The interval over the trips of {over} holds 1 in {alike}."
 
 
 def _chance_of_messages(result: ComparisonResult, protocol: str) -> str:
     """Say the same of messages at the same threshold."""
+    rival = _measure(result)
     rows = [
         row
         for name in _judged(result)
-        if name != result.free
-        for row in _message_rows(result, name, protocol, result.free)
+        if name != rival
+        for row in _message_rows(result, name, protocol, rival)
     ]
     known = [row for row in rows if row.message_low is not None and row.message_high is not None]
     if not known:
         return ""
     alike = share_text(sum(row.message_low <= 1.0 <= row.message_high for row in known), len(known))
-    over = f"messages over {_named(result.free)}'s at the same threshold"
+    over = f"messages over {_named(rival)}'s at the same threshold"
     return f" The interval over the trips of {over} holds 1 in {alike}."
 
 

@@ -7,6 +7,7 @@ wherever the baseline is.
 
 from collections.abc import Iterable, Sequence
 from math import isfinite
+from textwrap import shorten
 
 from modelcast.report.data_words import data_text, protocol_text
 from modelcast.report.headline import (
@@ -160,7 +161,7 @@ def _repeating(result: EvaluationResult, lines: Sequence[Headline]) -> str:
 def _not_found(result: EvaluationResult, lines: Sequence[Headline]) -> str:
     ratios = evaluated_ratios(result)
     lossy = [ratio for ratio in ratios if ratio > 0.0]
-    saved = _saved_by_free(lines)
+    saved = _saved(result, lines)
     if not ratios:
         return f"Errors were not measured, so nothing is said of what these messages are worth.{saved}"
     shown = lossy or ratios
@@ -185,24 +186,23 @@ def _not_found(result: EvaluationResult, lines: Sequence[Headline]) -> str:
     return f"{larger}{chance_text(matched, rival)}{saved}{repeating}{unlost}"
 
 
-def _saved_by_free(lines: Sequence[Headline]) -> str:
-    """Say how much of the saving needs no model."""
+def _saved(result: EvaluationResult, lines: Sequence[Headline]) -> str:
+    """Say how much of the baseline's messages a receiver saves without a model, and how much the sender."""
     shares = [
-        (line.baseline.total_rate_hz - line.free.total_rate_hz)
-        / (line.baseline.total_rate_hz - line.mbc.total_rate_hz)
+        (1.0 - line.free.total_rate_hz / of, 1.0 - line.mbc.total_rate_hz / of)
         for line in lines
         if line.mbc is not None
         and line.baseline is not None
         and line.free is not None
-        and line.baseline.total_rate_hz > line.mbc.total_rate_hz
+        and (of := line.baseline.total_rate_hz) > 0.0
     ]
     if not shares:
         return ""
-    if max(shares) <= 0.0:
-        return " Without loss the free receiver saves no message over the baseline."
-    shares = [max(share, 0.0) for share in shares]
-    saved = f"saves {range_text(shares)} of the messages that are saved over the baseline"
-    return f" Without loss the free receiver alone {saved}."
+    shown = [[round(share, 2) + 0.0 for share in own] for own in zip(*shares, strict=True)]
+    free, own = (range_text(of) for of in shown)
+    more = " Below 0 it sends more." if min(map(min, shown)) < 0.0 else ""
+    saved = f"saves {free} of the baseline's messages, {sender_label(result)} {own}"
+    return f" Without loss {_FREE} {saved}.{more}"
 
 
 def _data(result: EvaluationResult) -> str:
@@ -223,15 +223,20 @@ def _understood(trips: Sequence[TripRow]) -> str:
     if not ways:
         return ""
     if len(ways) > 1:
-        return f" Their files were understood in {len(ways)} ways, which stand above the list of trips."
-    words = {"columns": "Columns taken", "assumed": "only assumed", "not used": "not used"}
+        listed = "which report.html lists above the trips"
+        return f" Their files were understood in {len(ways)} ways, {listed}."
+    if "columns" not in ways[0]:
+        return ""
+    read = sum(bool(trip.understood) for trip in trips)
+    taken = "Columns taken" if read == len(trips) else f"Of {read} of {len(trips)} trips: columns taken"
+    words = {"columns": taken, "assumed": "only assumed", "not used": "not used"}
     said = [f"{word}: {_short(ways[0][name])}" for name, word in words.items() if name in ways[0]]
-    return f" {'; '.join(said)}." if "columns" in ways[0] else ""
+    return f" {'; '.join(said)}."
 
 
 def _short(text: str) -> str:
     """Text that is long cut at a word."""
-    return text if len(text) <= _LONGEST_UNUSED else f"{text[:_LONGEST_UNUSED].rpartition(',')[0]}, ..."
+    return shorten(text, _LONGEST_UNUSED, placeholder=" and more")
 
 
 def _protocol(result: EvaluationResult, name: str) -> str:

@@ -44,7 +44,13 @@ class HeldErrors:
         return self.own_m > self.other_m
 
 
-def worse_text(name: str, same: Sequence[HeldErrors], matched: Sequence[HeldErrors]) -> str:
+def worse_text(
+    name: str,
+    same: Sequence[HeldErrors],
+    matched: Sequence[HeldErrors],
+    *,
+    at_rate: str = "at the same rate",
+) -> str:
     """Return in how many cases somebody errs more than another, by reading, and where most; or nothing.
 
     Parameters
@@ -53,8 +59,10 @@ def worse_text(name: str, same: Sequence[HeldErrors], matched: Sequence[HeldErro
         Of the other's error.
     same, matched
         The cases at the same threshold, and at the same rate.
+    at_rate
+        What the latter rate is called.
     """
-    readings = (("at the same threshold", same), ("at the same rate", matched))
+    readings = (("at the same threshold", same), (at_rate, matched))
     parts = [f"in {_many(cases)} {at}{_most(cases, at)}" for at, cases in readings if cases]
     return f"{name} {' and '.join(parts)}" if parts else ""
 

@@ -1,6 +1,7 @@
 """An evaluation of a safety application in the terminal, as Markdown and as a page."""
 
 from collections.abc import Mapping, Sequence
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -82,33 +83,54 @@ def safety_headline(result: SafetyResult) -> list[str]:
             if reading != basis and row.candidate != budget:  # the table has the others
                 continue
             equal = (
-                f"at the same threshold ({row.message_rate_hz:.2f} messages a second)"
+                f"at the same threshold ({_rates_text(row, own, against)})"
                 if reading == "threshold"
                 else f"equal {reading} (what {budget} needs)"
             )
             lines.append(
-                f"{row.sensor}, {loss_words(kind_of(row))}, {100 * at:.4g} % lost, {equal}: {row.candidate} "
-                f"misses {over_text(row, 'missed')} of what {against} misses, with {over_text(row, 'false')} "
-                f"of its false ones{_beside_free(row, own)}"
+                f"{row.sensor}, {loss_words(kind_of(row))}, {100 * at:.4g} % lost, {equal}: "
+                f"{_beside(row, against)}{_beside_free(row, own)}"
             )
     return lines
 
 
+def _alike(row: Row, own: Sequence[Row]) -> dict[str, Row]:
+    """The rows of the same sensor and losses by candidate."""
+    place = kind_of(row), row.packet_error_ratio
+    return {one.candidate: one for one in own if (kind_of(one), one.packet_error_ratio) == place}
+
+
+def _rates_text(row: Row, own: Sequence[Row], against: str) -> str:
+    """How often each of those told of sends, where none is held to another's rate."""
+    alike = _alike(row, own)
+    told = (name for name in dict.fromkeys((row.candidate, against, FREE_RECEIVER)) if name in alike)
+    rates = ", ".join(f"{name} {alike[name].message_rate_hz:.2f}" for name in told)
+    return f"messages a second: {rates}"
+
+
+def _beside(row: Row, against: str) -> str:
+    """What a sender misses and falsely warns of over another's, as far as there is a ratio."""
+    missed, false = (over_text(row, name) for name in ("missed", "false"))
+    parts = [] if missed == "-" else [f"misses {missed} of what {against} misses"]
+    if false != "-":
+        parts.append(f"with {false} of its false ones" if parts else f"has {false} of {against}'s false ones")
+    return f"{row.candidate} {', '.join(parts) or f'has no ratio over {against}'}"
+
+
 def _beside_free(row: Row, own: Sequence[Row]) -> str:
     """The same over the free receiver's, of whoever is not it; nothing where it was not run."""
-    for free in own:
-        same = (kind_of(free), free.packet_error_ratio) == (kind_of(row), row.packet_error_ratio)
-        if free.candidate != FREE_RECEIVER or not same or row.candidate == FREE_RECEIVER:
-            continue
-        missed, false = (
-            _over(getattr(row, name), getattr(free, name)) for name in ("missed_ratio", "false_ratio")
-        )
-        return f"; over {FREE_RECEIVER}'s {missed} missed and {false} false, for which there is no interval"
-    return ""
-
-
-def _over(own: float, other: float) -> str:
-    return f"{own / other:.2f}" if other > 0.0 else "-"
+    free = _alike(row, own).get(FREE_RECEIVER)
+    if free is None or row.candidate == FREE_RECEIVER:
+        return ""
+    parts = [
+        f"{own_ratio / other:.2f} {name}"
+        for name in ("missed", "false")
+        for own_ratio, other in [(getattr(row, f"{name}_ratio"), getattr(free, f"{name}_ratio"))]
+        if other > 0.0 and isfinite(own_ratio)
+    ]
+    if not parts:
+        return ""
+    return f"; over {FREE_RECEIVER}'s {' and '.join(parts)}, for which there is no interval"
 
 
 def safety_console(result: SafetyResult) -> RenderableType:

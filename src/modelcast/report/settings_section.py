@@ -8,7 +8,7 @@ import ast
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import degrees, isinf
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 from modelcast.core.cells import Cells, escape
 from modelcast.study.wording import centimetres
@@ -50,6 +50,9 @@ _UNIT_OF = {
 _NAMES_OF = {"sub_models": "sub_model_names", "free": "free_names"}
 """Which setting holds the names of another's sub-models."""
 
+_OTHER_NUMBERS = " (not the shipped numbers)"
+"""What is said of sub-models that are named as the default's are, and are not those."""
+
 _CALL = re.compile(r"^[A-Z]\w*\(.*\)$", re.DOTALL)
 
 
@@ -63,18 +66,19 @@ def settings_section(settings: Mapping[str, Any], defaults: Mapping[str, Any] | 
     defaults
         The same of what nobody asked for; where None, nothing is folded.
     """
-    known = dict(_flat(defaults or {}))
+    known = {one.name: one for one in _flat(defaults or {})}
     shown: list[list[str]] = []
     folded: list[list[str]] = []
     absent: list[str] = []
-    for name, value in _flat(settings):
-        text = _text(name, value)
+    for one in _flat(settings):
+        text, usual = _text(one.name, one.shown), known.get(one.name)
         if not text:
-            absent.append(_words(name))
-        elif name in known and known[name] == value:
-            folded.append([_words(name), text])
+            absent.append(_words(one.name))
+        elif usual is not None and usual.value == one.value:
+            folded.append([_words(one.name), text])
         else:
-            shown.append([_words(name), text])
+            is_alike = usual is not None and usual.shown == one.shown
+            shown.append([_words(one.name), f"{text}{_OTHER_NUMBERS}" if is_alike else text])
     parts = [Cells(["setting", "value"], shown).html()] if shown else []
     if folded:
         table = Cells(["setting", "value"], folded).html()
@@ -101,22 +105,29 @@ def setting_rows(settings: Mapping[str, Any]) -> list[list[str]]:
     >>> setting_rows({"keep_alive": 2.0, "per": [0.0, 0.4]})
     [['keep alive', '2 s'], ['per', '0, 40 %']]
     """
-    rows = [[_words(name), _text(name, value)] for name, value in _flat(settings)]
+    rows = [[_words(one.name), _text(one.name, one.shown)] for one in _flat(settings)]
     return [row for row in rows if row[1]]
 
 
-def _flat(settings: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, Any]]:
-    """Settings by dotted name; sub-models by their names, where these are known."""
+class _Setting(NamedTuple):
+    """A setting by its dotted name: its value, and what is shown of it, which may be names alone."""
+
+    name: str
+    value: Any
+    shown: Any
+
+
+def _flat(settings: Mapping[str, Any], prefix: str = "") -> Iterable[_Setting]:
+    """Settings by dotted name; sub-models are shown by their names, where these are known."""
     hidden = {names for told, names in _NAMES_OF.items() if told in settings and settings.get(names)}
     for name, value in settings.items():
         if name in hidden:
             continue
         if isinstance(value, Mapping):
             yield from _flat(cast("Mapping[str, Any]", value), f"{prefix}{name}.")
-        elif name in _NAMES_OF and settings.get(_NAMES_OF[name]):
-            yield f"{prefix}{name}", settings[_NAMES_OF[name]]
         else:
-            yield f"{prefix}{name}", value
+            names = settings.get(_NAMES_OF[name]) if name in _NAMES_OF else None
+            yield _Setting(f"{prefix}{name}", value, names or value)
 
 
 def _unit_of(name: str) -> str:

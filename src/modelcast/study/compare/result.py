@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
+from modelcast.station.banks import BASELINE_BANK
 from modelcast.study.table import Column, Row, Table, TableSchema, count, quantity, ratio, text
 
 __all__ = [
@@ -364,5 +365,15 @@ class ComparisonResult:
     def rival(self) -> str | None:
         """The candidate compared against, where that says more than the baseline does; else None."""
         name = self.rivals[0].rival if self.rivals else None
-        own = {row.message_ratio for row in self.ratios if row.candidate == name}
-        return None if len(self.candidates) < 2 or own == {1.0} else name
+        return None if name is None or len(self.candidates) < 2 or self.is_baseline(name) else name
+
+    def is_baseline(self, name: str) -> bool:
+        """Whether a candidate has the baseline's bank; one that sends as many messages need not be it.
+
+        Parameters
+        ----------
+        name
+            Of the candidate.
+        """
+        plain = tuple(repr(member) for member in BASELINE_BANK.members)
+        return any(one.sub_models == plain for one in self.candidates if one.name == name)
