@@ -175,6 +175,40 @@ def test_a_second_signal_ends_at_once_what_does_not_end_by_the_first(
         assert (closing.returncode, closing.stderr.read()) == (128 + second, said)
 
 
+TWICE = """
+import asyncio, os, signal
+from modelcast.cli.stopping import stopped_by_signals
+
+async def close():
+    loop = asyncio.get_running_loop()
+    forget = loop.remove_signal_handler
+
+    def forget_and_hear(number):
+        found = forget(number)
+        os.kill(os.getpid(), signal.SIGTERM)
+        return found
+
+    loop.remove_signal_handler = forget_and_hear
+    with stopped_by_signals(0.0):
+        pass
+
+signal.signal(signal.SIGTERM, lambda number, frame: print("heard"))
+asyncio.run(close())
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="nodes and servers do not run there")
+def test_a_signal_while_the_loop_gives_the_signals_back_is_heard() -> None:
+    found = subprocess.run(  # noqa: S603 - our own interpreter
+        [sys.executable, "-c", TWICE],
+        env={**os.environ, "PYTHONPATH": str(Path(modelcast.__file__).parent.parent)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (found.returncode, found.stdout, found.stderr) == (0, "heard\n", "")
+
+
 @pytest.mark.skipif(os.name == "nt", reason="a console's Ctrl-C is another thing there")
 @pytest.mark.parametrize(
     ("before", "line"),

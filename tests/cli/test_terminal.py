@@ -118,6 +118,16 @@ def test_a_command_in_a_pipe_pads_no_line(
     assert max(map(len, lines)) < 250
 
 
+@pytest.mark.parametrize("words", [[], ["--version"], ["trips", "mine.csv"], ["trips", "mine.csv", "--json"]])
+def test_an_output_that_is_closed_is_as_one_that_nobody_reads(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.csv").write_text("t,x,y\n" + "".join(f"{i / 10},{i},0\n" for i in range(50)), encoding="utf-8")
+    monkeypatch.setattr("sys.stdout", None)
+    assert run(words) == 0
+
+
 def test_commands_reach_the_terminal_one_way_only() -> None:
     """Problems, lines and tables go through `cli/terminal.py`; what else is printed is JSON or digits."""
     for path in Path(modelcast.cli.__file__).parent.glob("*.py"):

@@ -198,9 +198,9 @@ def test_an_interrupt_ends_with_130_and_one_line_and_the_next_run_goes_on(
         check=False,
     )
     assert not (tmp_path / "out").exists()
-    # The other worker may have written a part too, before it was ended.
+    # Both workers may have written further parts before they were ended.
     done = len(list((tmp_path / "out.unfinished" / "parts").glob("[0-9]*/done.json")))
-    assert 1 <= done <= 2
+    assert 1 <= done < 5
     kept = "1 partition is kept" if done == 1 else f"{done} partitions are kept"
     line = f"modelcast: interrupted; {kept}: the same command goes on from there\n"
     assert (found.returncode, found.stderr) == (INTERRUPTED, line)

@@ -247,6 +247,28 @@ def test_files_that_are_written_into_a_folder_take_their_places_together(tmp_pat
     assert contents(tmp_path) == {"a": "new", "other": "old", "figures/b": "new"}
 
 
+@pytest.mark.skipif(os.name != "posix", reason="folders are not synced elsewhere")
+def test_files_are_on_the_disk_before_they_take_their_places_and_so_are_these(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    synced: list[tuple[int, bool]] = []
+    sync = os.fsync
+
+    def noted(descriptor: int) -> None:
+        synced.append((os.fstat(descriptor).st_ino, (tmp_path / "a").exists()))
+        sync(descriptor)
+
+    def write(place: Path) -> list[Path]:
+        (place / "a").write_text("new")
+        return [place / "a"]
+
+    monkeypatch.setattr(os, "fsync", noted)
+    written_into(tmp_path, write)
+    file, folder = (tmp_path / "a").stat().st_ino, tmp_path.stat().st_ino
+    assert (file, False) in synced
+    assert (folder, True) in synced
+
+
 def contents(folder: Path) -> dict[str, str]:
     """Texts of all files of a folder."""
     found = [path for path in folder.rglob("*") if path.is_file()]

@@ -108,6 +108,11 @@ SHAPES = {
                "Speed": ["km/h", *numbers(3.6 * V)], "Heading": ["deg", *numbers(HEADING)]}),
         has="speed heading", said={"text": "commas, units in line 2"},
     ),
+    "a row of units under names that state theirs": Shape(
+        table({"t_s": ["s", *numbers(T)], "x_m": ["m", *numbers(EAST)], "y_m": ["m", *numbers(NORTH)],
+               "heading_deg": ["deg", *numbers(HEADING)], "speed_kmh": ["km/h", *numbers(3.6 * V)]}),
+        has="speed heading",
+    ),
     "a row of units under names that are mapped": Shape(
         table({"Zeit": ["s", *numbers(T)], "a": ["m", *numbers(EAST)], "b": ["m", *numbers(NORTH)]}),
         columns={"t": "Zeit", "east": "a", "north": "b"},
@@ -348,6 +353,92 @@ def test_an_acceleration_in_another_unit_is_refused_with_its_map(made, name, fac
     assert trip.acceleration_mps2 == pytest.approx(acceleration, rel=1e-6)
 
 
+NOISE = np.random.default_rng(7).normal(0.0, 1.0, (2, 600))
+LONG = STEP_S * np.arange(600)
+VALID = {
+    "a height beside Gauss-Krueger coordinates as far away as the middle of the Earth": {
+        "t": T, "x": 3_500_000 + EAST, "y": 5_320_000 + NORTH, "z": 500 + 0 * T, "speed": V,
+    },
+    "a vehicle that reverses to the south-east": {
+        "t": T, "x": 0.15 * np.arange(COUNT), "y": -0.15 * np.arange(COUNT), "heading_deg": 315 + 0 * T,
+    },
+    "a heading of 0 as long as it is too slow for one": {
+        "t": T, "x": 0.08 * np.arange(COUNT), "y": 0 * T, "heading_deg": np.where(T < 29.9, 0.0, 90.0),
+    },
+    "a speedometer that shows 10 % too much on a straight way to the north-north-east": {
+        "t": T, "lat": 48.1 + 1.21e-5 * np.arange(COUNT), "lon": 11.5 + 8.92e-6 * np.arange(COUNT),
+        "speed": 1.1 * V,
+    },
+    "a car that stands while its platform drifts": {
+        "t": T, "x": 12 + 1e-5 * np.arange(COUNT), "y": -7 + 5e-6 * np.arange(COUNT), "speed": 0 * T,
+    },
+    "metres by name of what hardly moves": {
+        "t": T, "east_m": 12 + 1e-5 * np.arange(COUNT), "north_m": -7 + 5e-6 * np.arange(COUNT),
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", VALID)
+def test_what_is_right_is_read_though_it_looks_like_another_unit(made, name: str) -> None:
+    columns = {key: numbers(column, ".10g") for key, column in VALID[name].items()}
+    assert len(list(read_trips(made.write("mine.csv", table(columns))))) == 1
+
+
+def test_white_noise_is_not_taken_for_feet(made) -> None:
+    """Noise that makes the way from row to row 3.28 times as long as the speeds say."""
+    goal_m = 3.0 * LONG[-1] / 0.3048
+    ways_m = {size: np.hypot(*np.diff([3.0 * LONG + size * NOISE[0], size * NOISE[1]])).sum()
+              for size in np.linspace(0.4, 0.7, 61)}  # fmt: skip
+    size = min(ways_m, key=lambda one: abs(ways_m[one] - goal_m))
+    assert ways_m[size] == pytest.approx(goal_m, rel=0.02)
+    columns = {"t": LONG, "x": 3.0 * LONG + size * NOISE[0], "y": size * NOISE[1], "speed": 0 * LONG + 3.0}
+    (trip,) = read_trips(made.write("mine.csv", table(columns)))
+    assert len(trip) == LONG.size
+
+
+@pytest.mark.parametrize(
+    ("shape", "columns"),
+    [
+        ("positions in feet", {"east_m": "x", "north_m": "y"}),
+        ("a heading counted from east", {"heading_deg": "heading_deg"}),
+        ("latitude and longitude swapped, with speeds", {"latitude_deg": "lat", "longitude_deg": "lon"}),
+    ],
+)
+def test_a_map_that_states_the_unit_is_not_doubted(made, shape: str, columns: dict[str, str]) -> None:
+    path = made.write("mine.csv", SHAPES[shape].file)
+    assert len(list(read_trips(path, columns=columns))) == 1
+
+
+@pytest.mark.parametrize(("against", "refused"), [(1, False), (2, True), (3, True)])
+@pytest.mark.parametrize("first", [True, False])
+def test_half_of_the_vehicles_decide_of_what_a_column_holds(
+    made, against: int, refused: bool, first: bool
+) -> None:
+    """Four vehicles on the same way, of which some count their headings from east."""
+    turned = [at < against if first else at >= 4 - against for at in range(4)]
+    headings = [90.0 - HEADING if other else HEADING for other in turned]
+    columns = {name: np.tile(column, 4) for name, column in plane().items()}
+    columns |= {"vehicle": np.repeat(np.arange(4.0), COUNT), "heading_deg": np.concatenate(headings)}
+    path = made.write("mine.csv", table(columns))
+    if refused:
+        with pytest.raises(DataFormatError, match="yaw_deg=heading_deg"):
+            list(read_trips(path))
+    else:
+        assert [trip.trip_id for trip in read_trips(path)] == [f"mine/{at}" for at in range(4)]
+
+
+@pytest.mark.parametrize("word", ["NA", "NaN", "null", "-", ""])
+def test_rows_whose_time_is_missing_are_skipped_and_counted(made, word: str) -> None:
+    (trip,) = read_trips(made.write("mine.csv", table(plane(t=with_gaps(T, word)))))
+    assert dict(trip.reading.skipped) == {"time blank": 10}
+
+
+def test_unix_seconds_that_are_called_days_are_told(made) -> None:
+    path = made.write("mine.csv", table(places(time=numbers(UNIX_S + T, ".3f"))))
+    with pytest.raises(DataFormatError, match=r"over 3,000 years.*: t_s=time"):
+        list(read_trips(path, columns={"t_days": "time"}))
+
+
 @pytest.mark.parametrize("rate_hz", [1, 4, 25, 100])
 def test_any_rate_is_read(made, rate_hz: int) -> None:
     t = np.arange(30 * rate_hz) / rate_hz
@@ -395,6 +486,17 @@ def test_data_frames_and_parquet_say_it_too(made, stamped: bool) -> None:
         taken = trip.reading.understood
         assert taken is not None
         assert taken.unused_text == "v_ego, list (perhaps: --columns 'speed_kmh=v_ego')"
+
+
+@pytest.mark.parametrize(("unit", "count"), [("ns", 1_700_000_000_123_456_789), ("us", 2**60)])
+def test_time_stamps_that_python_has_none_of_do_not_matter(made, unit, count: int) -> None:
+    """Digits below the microsecond, and the year 38503; octets are no text."""
+    until = pl.Series("until", [count] * COUNT).cast(pl.Datetime(unit))
+    frame = pl.DataFrame({"t_s": T, "x": EAST, "y": NORTH, "until": until, "picture": [b"\xff"] * COUNT})
+    frame.write_parquet(made.folder / "mine.parquet")
+    for source in (frame, made.folder / "mine.parquet"):
+        (trip,) = read_trips(source)
+        right(trip, Shape(""))
 
 
 def test_a_table_of_one_row_or_of_odd_columns_has_nothing_suggested(made) -> None:

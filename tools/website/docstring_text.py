@@ -32,6 +32,9 @@ _BOUNDED = "~typing.Annotated["
 _MADE = re.compile(r"(?<= = )[\w.]+\((?=\w+=)")
 """The beginning of a default that is an object, told by its fields."""
 
+_CALLED = re.compile(r"<(?:class|function) '?(?:[\w.]*\.)?(\w+)'?(?: at 0x[0-9a-f]+)?>")
+"""A default that is a class or function, which has a name."""
+
 _LONGEST_NUMBER = 9
 """Characters of a number that reads well as it is."""
 
@@ -118,8 +121,10 @@ def short_signature(text: str) -> str:
     --------
     >>> short_signature("(n: ~typing.Annotated[int, Number(0, (1, 2))] = 3, d: Drivers = Drivers(a=(1, 2)))")
     '(n: int = 3, d: Drivers = Drivers(...))'
+    >>> short_signature("(each: Each = <class 'map'>)")
+    '(each: Each = map)'
     """
-    text = _LIKE_AN_ARRAY.sub("~numpy.typing.ArrayLike", _without_bounds(text))
+    text = _CALLED.sub(r"\1", _LIKE_AN_ARRAY.sub("~numpy.typing.ArrayLike", _without_bounds(text)))
     return _without_fields(_ARRAY.sub(r"~numpy.typing.NDArray[\1]", text).replace("<factory>", "..."))
 
 

@@ -67,6 +67,7 @@ def run(arguments: Sequence[str]) -> int:
     arguments
         The words after ``modelcast``.
     """
+    _open_closed()
     try:
         code = _run(arguments)
     except KeyboardInterrupt as error:
@@ -157,6 +158,14 @@ def _attended(arguments: Sequence[str]) -> AbstractContextManager[None]:
 
 def _place_and_reason(error: OSError) -> str:
     return f"{error.filename}: {refusal(error)}" if error.filename else refusal(error)
+
+
+def _open_closed() -> None:
+    """Send nowhere what is printed where whoever started the process has closed the place (``>&-``)."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            setattr(sys, name, open(nowhere, "w", encoding="utf-8", closefd=False))  # noqa: SIM115
 
 
 def _drop_unprinted() -> None:

@@ -48,9 +48,14 @@ def stopped_by_signals(duration_s: float) -> "Generator[asyncio.Event]":
 
     def unwatched() -> None:
         """Give the signals back from the loop, which hears of none while something holds it up."""
-        for one, handler in before.items():
-            if loop.remove_signal_handler(one):
-                signal.signal(one, handler)
+        # The loop leaves the system's handler behind, by which a second signal would end the process unsaid.
+        held = signal.pthread_sigmask(signal.SIG_BLOCK, before)
+        try:
+            for one, handler in before.items():
+                if loop.remove_signal_handler(one):
+                    signal.signal(one, handler)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, held)
 
     for one in before:
         loop.add_signal_handler(one, asked, one)

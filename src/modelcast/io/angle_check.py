@@ -6,7 +6,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.column_map import ColumnMap
 from modelcast.io.rows import Rows
-from modelcast.io.unit_check import LEAST_WAY_M, ways_m
+from modelcast.io.unit_check import LEAST_WAY_M, steps_m
 from modelcast.trips.heading_unit import degrees_at
 
 __all__ = [
@@ -30,7 +30,14 @@ _M_PER_DEG = 111_195.0
 _FITS_RATIO = 0.02
 """Positions and speeds of good recordings agree to 1 % over a trip."""
 _FITS_NOT_RATIO = 0.08
+_PIECES = 10
+"""Pieces of a drive whose ratios of positions to speeds are looked at."""
+_FITS_EVENLY = 0.1
+"""In the true order every piece fits this well."""
+_UNEVEN = 3.0
+"""In the wrong order ratios of pieces, which change with the course, differ this many times as much."""
 _STEADY_MPS = (0.5, 70.0)
+_STANDS_MPS = 0.1
 _FEWEST_STEPS = 20
 
 
@@ -95,8 +102,8 @@ def _other_unit(latitude: FloatArray, longitude: FloatArray, names: tuple[str, s
     return ""
 
 
-def refuse_swapped(path: str, rows: Rows, names: tuple[str, str]) -> None:
-    """Raise `DataFormatError` where speeds say that latitude and longitude are the other way round.
+def refuse_swapped(path: str, rows: Rows, names: tuple[str, str]) -> bool:
+    """Return whether speeds fit latitude and longitude as they are.
 
     Parameters
     ----------
@@ -108,67 +115,107 @@ def refuse_swapped(path: str, rows: Rows, names: tuple[str, str]) -> None:
     names
         Columns of latitude and longitude.
 
+    Raises
+    ------
+    DataFormatError
+        Where they fit them the other way round.
+
     Notes
     -----
     A degree of longitude is as short as the cosine of the latitude says, so that positions which were turned
-    round move at other speeds.
+    round move at other speeds: by another factor on another course. A speedometer that shows too much does so
+    on every course, and noise fits nowhere; so every piece of the drive has to fit, and a straight one does
+    not tell.
     """
-    moved_m, said_m = ways_m(rows)
+    moved_m, said_m = steps_m(rows)
     latitude, longitude = rows.columns["latitude_deg"], rows.columns["longitude_deg"]
-    if not moved_m > LEAST_WAY_M or np.abs(longitude[0]) > _LATITUDE_DEG:
-        return
+    if moved_m.size < _FEWEST_STEPS or not moved_m.sum() > LEAST_WAY_M:
+        return False
+    off = abs(said_m.sum() / moved_m.sum() - 1.0)
+    if off <= _FITS_NOT_RATIO or np.abs(longitude[0]) > _LATITUDE_DEG:
+        return bool(off <= _FITS_RATIO)
     scale = np.cos(np.radians(longitude[0]))
     turned = rows.having(
         east_m=_M_PER_DEG * (latitude - latitude[0]) * scale, north_m=_M_PER_DEG * (longitude - longitude[0])
     )
-    other_m, _ = ways_m(turned)
-    off, off_turned = abs(said_m / moved_m - 1.0), abs(said_m / max(other_m, 1.0) - 1.0)
-    if off > _FITS_NOT_RATIO and off_turned < _FITS_RATIO:
+    other_m, _ = steps_m(turned)
+    if abs(said_m.sum() / max(other_m.sum(), 1.0) - 1.0) >= _FITS_RATIO:
+        return False
+    stated, swapped = (_in_pieces(said_m, way_m) for way_m in (moved_m, other_m))
+    uneven = stated.std() >= max(_UNEVEN * swapped.std(), _FITS_RATIO)
+    if uneven and np.abs(swapped - 1.0).max() <= _FITS_EVENLY:
         lat_name, lon_name = names
         raise DataFormatError(
             path,
             f"the speeds fit {lat_name} and {lon_name} only if they are the other way round",
             row=int(rows.line[0]),
-            remedy=f"Are latitude and longitude swapped? --columns with lat={lon_name},lon={lat_name}.",
+            remedy=f"Are latitude and longitude swapped? --columns with lat={lon_name},lon={lat_name}. "
+            f"Where they are not: --columns latitude_deg={lat_name},longitude_deg={lon_name}.",
         )
+    return False
 
 
-def refuse_degrees_as_metres(path: str, rows: Rows, names: tuple[str, str]) -> None:
-    """Raise `DataFormatError` where positions in metres are longitudes and latitudes, or Earth-centred.
+def _in_pieces(said_m: FloatArray, way_m: FloatArray) -> FloatArray:
+    """Return what speeds say over what positions move, piece by piece, (`_PIECES`,)."""
+    begins = np.arange(_PIECES) * said_m.size // _PIECES
+    said_m, way_m = (np.add.reduceat(steps, begins) for steps in (said_m, way_m))
+    return said_m / np.maximum(way_m, np.finfo(np.float64).tiny)
+
+
+def refuse_degrees_as_metres(path: str, rows: Rows, names: tuple[str, str]) -> bool:
+    """Return whether positions move too far to be longitudes and latitudes.
 
     Parameters
     ----------
     path
         The file.
     rows
-        One vehicle's rows with ``t_s``, ``east_m`` and ``north_m``.
+        One vehicle's rows with ``t_s``, ``east_m`` and ``north_m``, and ``speed_mps`` where it is known.
     names
         Columns of east and north.
+
+    Raises
+    ------
+    DataFormatError
+        Where positions in metres are longitudes and latitudes.
 
     Notes
     -----
     Programs for maps write the longitude as ``X``. What moves steadily less than a metre in all, and as
-    degrees at the speed of a vehicle, is no vehicle that stands: noise has no steady speed of that size.
+    degrees at the speed of a vehicle, is no vehicle that stands: noise has no steady speed of that size. The
+    drift of an inertial platform has: where speeds say that it stands, it does.
     """
     columns, (x, y) = rows.columns, names
     steps_s, east_m, north_m = np.diff(columns["t_s"]), columns["east_m"], columns["north_m"]
     if len(steps_s) < _FEWEST_STEPS or not (steps_s > 0).all():
-        return
+        return False
     if np.abs(east_m).max() > _LONGITUDE_DEG or np.abs(north_m).max() > _LATITUDE_DEG:
-        return
-    if np.ptp(east_m) > 1.0 or np.ptp(north_m) > 1.0:
-        return
+        return True
     scale = np.cos(np.radians(np.mean(north_m)))
     way_m = _M_PER_DEG * np.hypot(np.diff(east_m) * scale, np.diff(north_m))
     direct_m = _M_PER_DEG * np.hypot((east_m[-1] - east_m[0]) * scale, north_m[-1] - north_m[0])
+    moves_mps = way_m.sum() / steps_s.sum()
     slow, fast = _STEADY_MPS
-    if slow <= way_m.sum() / steps_s.sum() <= fast and direct_m > max(LEAST_WAY_M, 0.1 * way_m.sum()):
+    if moves_mps > fast:
+        return True
+    if np.ptp(east_m) > 1.0 or np.ptp(north_m) > 1.0 or _stands(rows):
+        return False
+    if moves_mps >= slow and direct_m > max(LEAST_WAY_M, 0.1 * way_m.sum()):
         raise DataFormatError(
             path,
             f"{x} and {y} hardly move as metres, and like a vehicle as degrees",
             row=int(rows.line[0]),
-            remedy=f"Longitude and latitude: --columns lon={x},lat={y}.",
+            remedy=f"Longitude and latitude: --columns lon={x},lat={y}. "
+            f"Where they are metres: --columns east_m={x},north_m={y}.",
         )
+    return False
+
+
+def _stands(rows: Rows) -> bool:
+    """Return whether speeds say that a vehicle stands most of the time."""
+    speed_mps = rows.columns.get("speed_mps", np.zeros(0))
+    known = speed_mps[np.isfinite(speed_mps)]
+    return bool(known.size and np.median(known) < _STANDS_MPS)
 
 
 def refuse_degrees(path: str, rows: Rows, heading: str) -> None:

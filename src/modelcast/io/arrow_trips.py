@@ -7,9 +7,9 @@ time stamps tells its own unit. Rows are numbered from 1 in errors.
 # pyarrow has no type stubs: what comes out of it is unknown to pyright.
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import polars as pl
@@ -24,7 +24,7 @@ from modelcast.io.table_notes import FIRST_ROWS
 from modelcast.io.table_trips import AbstractTable, TablePart
 from modelcast.io.time_column import TimeColumn, TimeUnit, holds_times
 
-__all__ = ["PART_ROWS", "ArrowTable", "is_text"]
+__all__ = ["PART_ROWS", "ArrowTable", "Batches", "is_text"]
 
 PART_ROWS = 131_072
 """Rows taken at a time."""
@@ -34,6 +34,14 @@ _LARGEST_TIME = 1e20
 _MOST_SHOWN = 40
 """Columns that are not read, but looked at for what they may mean."""
 _ARROW_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+
+
+class Batches(Protocol):
+    """Yields a table's record batches, from the first each time it is called."""
+
+    def __call__(self, wanted: Sequence[str], rows: int = PART_ROWS) -> Iterable[Any]:
+        """Yield batches of at most so many rows with the columns named."""
+        ...
 
 
 class ArrowTable(AbstractTable):
@@ -50,7 +58,7 @@ class ArrowTable(AbstractTable):
     rows
         How many rows it has.
     batches
-        Yields its record batches of at most `PART_ROWS` rows with the columns named, each time it is called.
+        Yields its record batches.
 
     Raises
     ------
@@ -66,7 +74,7 @@ class ArrowTable(AbstractTable):
         columns: Mapping[str, str] | None,
         schema: Any,
         rows: int,
-        batches: Callable[[Sequence[str]], Iterable[Any]],
+        batches: Batches,
     ) -> None:
         names = [str(name) for name in schema.names]
         super().__init__(path, known_map(path, columns, names))
@@ -109,7 +117,7 @@ class ArrowTable(AbstractTable):
         read = [*self.found.meanings.values()]
         wanted = [name for name in self._plain if name in {*read, *self.found.unused[:_MOST_SHOWN]}]
         try:
-            batch = next(iter(self._batches(wanted)), None)
+            batch = next(iter(self._batches(wanted, FIRST_ROWS)), None)
         except DataFormatError:  # a column that is not read may be of any size
             return {}
         if batch is None:
@@ -117,7 +125,7 @@ class ArrowTable(AbstractTable):
         names = [str(name) for name in batch.schema.names]
         rows = batch.slice(0, FIRST_ROWS)
         return {
-            name: ["" if cell is None else str(cell) for cell in rows.column(names.index(name)).to_pylist()]
+            name: ["" if cell is None else str(cell) for cell in _shown(rows.column(names.index(name)))]
             for name in wanted
         }
 
@@ -207,12 +215,21 @@ class ArrowTable(AbstractTable):
         return numbers
 
 
+def _shown(column: Any) -> list[Any]:
+    """Return the cells of a column, time stamps as they are counted: Python's end at the microsecond."""
+    counted: list[Any] = (
+        column.cast(pa.int64()) if pa.types.is_timestamp(column.type) else column
+    ).to_pylist()
+    return counted
+
+
 def _is_plain(kind: Any) -> bool:
-    """Return whether an Arrow type is a number, a time stamp or text."""
+    """Return whether an Arrow type is a number, a time stamp or text; octets may be pictures."""
     if pa.types.is_dictionary(kind):
-        return is_text(kind.value_type)
+        return _is_plain(kind.value_type)
     number = pa.types.is_floating(kind) or pa.types.is_integer(kind)
-    return bool(number or pa.types.is_timestamp(kind) or is_text(kind))
+    octets = pa.types.is_binary(kind) or pa.types.is_large_binary(kind)
+    return bool(number or pa.types.is_timestamp(kind) or (is_text(kind) and not octets))
 
 
 def _may_name(kind: Any) -> bool:

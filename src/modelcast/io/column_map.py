@@ -46,6 +46,8 @@ class ColumnMap:
         The column of each meaning that is read.
     unused
         The table's other columns, in order.
+    words
+        Words of the user's map; one that is a full name with its unit (``east_m``) is taken at its word.
     """
 
     numbers: Mapping[str, tuple[str, float]]
@@ -56,6 +58,7 @@ class ColumnMap:
     degrees_stated: bool = False
     meanings: Mapping[str, str] = field(default_factory=dict[str, str])
     unused: tuple[str, ...] = ()
+    words: frozenset[str] = frozenset()
 
     @property
     def geodetic(self) -> bool:
@@ -189,6 +192,7 @@ def user_map(path: str, columns: Mapping[str, str], names: Collection[str]) -> C
         time_stated=found.time_stated or "t_s" in columns,
         speed_assumed="" if "speed_mps" in columns else found.speed_assumed,
         degrees_stated=found.degrees_stated or not {*GEODETIC}.isdisjoint(columns),
+        words=frozenset(columns),
     )
 
 

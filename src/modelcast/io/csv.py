@@ -7,8 +7,8 @@
 not read.
 
 A byte order mark, line ends of any kind, blank padding, quotes around a field (without a separator inside)
-and E notation are read; a number that is blank, ``NULL``, ``NA``, ``NaN``, ``None`` or ``-`` is missing. Text
-that is no UTF-8 is read as Windows-1252, and counted; UTF-16 is an error.
+and E notation are read; a number or time that is blank, ``NULL``, ``NA``, ``NaN``, ``None`` or ``-`` is
+missing. Text that is no UTF-8 is read as Windows-1252, and counted; UTF-16 is an error.
 
 Skipped and counted: rows whose time or position is blank, rows off the road (`modelcast.io.table_trips`), a
 cut last line. Repaired and counted: single missing values of optional columns (the last value is held), Unix
@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
+import polars as pl
 
 from modelcast.core.exceptions import DataFormatError
 from modelcast.io.base import OnSkipped, ignore_skipped
@@ -49,6 +50,7 @@ __all__ = ["CsvReader"]
 _RECODED = "read as Windows-1252"
 _MISSING = frozenset({"na", "n/a", "nan", "null", "none", "-", "--"})
 """What programs write for a number that there is none of, in lower case; pandas, R and MATLAB among them."""
+_LONGEST_MISSING = max(map(len, _MISSING))
 _SEPARATED = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "vertical bars", " ": "blanks"}
 """What parts fields, in words."""
 _FIRST = 20
@@ -179,10 +181,20 @@ class _TextTable(AbstractTable):
                 for fills, name in numbers.items()
                 if fills != "t_s"
             }
-            time = text_column(block, self._field[numbers["t_s"]])
+            time = _without_missing(text_column(block, self._field[numbers["t_s"]]))
             columns["t_s"] = self._times.read(time, block.line)
             labels = None if label is None else text_column(block, self._field[label]).alias(label)
             yield TablePart(block.index, Rows(block.line, columns), labels, block.partial > 0)
+
+
+def _without_missing(time: pl.Series) -> pl.Series:
+    """Return cells of a time column, null where a word for a missing one stands."""
+    if time.dtype != pl.String:
+        return time
+    words = time.filter(time.str.len_bytes() <= _LONGEST_MISSING).str.to_lowercase()
+    if not words.is_in(list(_MISSING)).any():
+        return time
+    return time.set(time.str.to_lowercase().is_in(list(_MISSING)), None)
 
 
 def _rows(lines: list[str], layout: TableLayout) -> list[list[str]]:

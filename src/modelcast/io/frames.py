@@ -71,8 +71,8 @@ class FrameRecording:
         """
         table = self.table
 
-        def batches(wanted: Sequence[str]) -> Iterable[Any]:
-            return table.select(list(wanted)).to_batches(max_chunksize=PART_ROWS)
+        def batches(wanted: Sequence[str], rows: int = PART_ROWS) -> Iterable[Any]:
+            return table.select(list(wanted)).to_batches(max_chunksize=rows)
 
         try:
             found = ArrowTable(FRAME, self.columns, table.schema, table.num_rows, batches)

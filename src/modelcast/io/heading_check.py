@@ -12,7 +12,7 @@ from modelcast.io.column_meanings import MEANINGS
 from modelcast.io.rows import Rows
 from modelcast.trips.heading_unit import ALONG, along_way
 
-__all__ = ["better_meaning", "heading_si", "refuse_other_heading"]
+__all__ = ["heading_meaning", "heading_si", "refuse_other_heading"]
 
 _WORDS = {
     "heading_deg": "degrees clockwise from north",
@@ -47,10 +47,12 @@ def heading_si(values: FloatArray, factor: float) -> FloatArray:
     return values if factor == 1.0 else values * factor
 
 
-def better_meaning(meaning: str, values: FloatArray, position_m: FloatArray) -> str | None:
-    """Return the meaning in which headings lie along the way, where they do not in the one stated.
+def heading_meaning(meaning: str, values: FloatArray, position_m: FloatArray) -> str | None:
+    """Return the meaning in which headings lie along the way: the one stated, or else another.
 
-    None where they lie along it as stated, or in no meaning, or the way is too short to tell.
+    None where they lie along it in no meaning, or against it as stated, as of a vehicle that drives
+    backwards, or the way is too short to tell. Zeros are left out: receivers write them where they have no
+    course.
 
     Parameters
     ----------
@@ -61,18 +63,20 @@ def better_meaning(meaning: str, values: FloatArray, position_m: FloatArray) -> 
     position_m
         East and north, (T, 2) [m].
     """
-    known = np.isfinite(values) & np.isfinite(position_m).all(axis=1)
+    known = np.isfinite(values) & (values != 0.0) & np.isfinite(position_m).all(axis=1)
     values, position_m = values[known], position_m[known]
     lengths_m = np.hypot(*np.diff(position_m, axis=0).T)
-    if not values.any() or np.count_nonzero(lengths_m) < _FEWEST_STEPS or lengths_m.sum() < _LEAST_WAY_M:
+    if np.count_nonzero(lengths_m) < _FEWEST_STEPS or lengths_m.sum() < _LEAST_WAY_M:
         return None
     along = {word: along_way(heading_si(values, MEANINGS[word].factor), position_m) for word in _WORDS}
+    if along[meaning] >= ALONG:
+        return meaning
     best = max(along, key=lambda word: along[word])
-    return best if along[meaning] < ALONG and along[best] > _FITS else None
+    return best if along[meaning] > -ALONG and along[best] > _FITS else None
 
 
-def refuse_other_heading(path: str, rows: Rows, values: FloatArray, meaning: str, name: str) -> None:
-    """Raise `DataFormatError` where headings lie along the way in another unit or sense than is stated.
+def refuse_other_heading(path: str, rows: Rows, values: FloatArray, meaning: str, name: str) -> bool:
+    """Return whether headings lie along the way in the unit and sense that is stated.
 
     Parameters
     ----------
@@ -84,13 +88,19 @@ def refuse_other_heading(path: str, rows: Rows, values: FloatArray, meaning: str
         Its headings as the file has them, (R,); NaN where missing.
     meaning, name
         What the column is said to hold, and its name.
+
+    Raises
+    ------
+    DataFormatError
+        Where they do so in another one.
     """
     position_m = np.stack([rows.columns["east_m"], rows.columns["north_m"]], axis=1)
-    better = better_meaning(meaning, values, position_m)
-    if better is not None:
+    told = heading_meaning(meaning, values, position_m)
+    if told not in {None, meaning}:
         raise DataFormatError(
             path,
-            f"{name} points where the vehicle goes as {_WORDS[better]}, and not as {_WORDS[meaning]}",
+            f"{name} points where the vehicle goes as {_WORDS[str(told)]}, and not as {_WORDS[meaning]}",
             row=int(rows.line[0]),
-            remedy=f"Map it so: --columns {better}={name}.",
+            remedy=f"Map it so: --columns {told}={name}. Where it is as stated: --columns {meaning}={name}.",
         )
+    return told == meaning

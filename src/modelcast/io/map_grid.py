@@ -24,6 +24,8 @@ _FARTHEST_M = 4e7
 
 _EARTH_M = (6.35e6, 6.39e6)
 """From the middle of the Earth to roads: the poles at sea level, and the equator at 10 km [m]."""
+_HIGHEST_M = 20e3
+"""A height is below this, and Earth-centred ``z`` is only within 20 km of the equator [m]."""
 
 
 def near_origin_m(rows: Rows) -> FloatArray | None:
@@ -71,8 +73,8 @@ def counted_from(rows: Rows, origin_m: FloatArray, tally: Tally) -> Rows:
     return rows.having(east_m=rows.columns["east_m"] - east, north_m=rows.columns["north_m"] - north)
 
 
-def refuse_earth_centred(path: str, rows: Rows, east: str) -> None:
-    """Raise `DataFormatError` where positions count from the middle of the Earth.
+def refuse_earth_centred(path: str, rows: Rows, east: str) -> bool:
+    """Return whether positions have a height, and so count from no middle of the Earth.
 
     Parameters
     ----------
@@ -82,16 +84,28 @@ def refuse_earth_centred(path: str, rows: Rows, east: str) -> None:
         One vehicle's rows with ``east_m`` and ``north_m``; without ``up_m`` nothing is told.
     east
         Name of the column of east.
+
+    Raises
+    ------
+    DataFormatError
+        Where they count from the middle of the Earth.
+
+    Notes
+    -----
+    Eastings and northings of a map may be as far from their zero as roads from the middle of the Earth; no
+    height is.
     """
-    if "up_m" not in rows.columns:
-        return
+    if "up_m" not in rows.columns or not len(rows):
+        return False
     place_m = np.stack([rows.columns[name] for name in ("east_m", "north_m", "up_m")])
     away_m = np.sqrt((place_m**2).sum(axis=0))
     nearest, farthest = _EARTH_M
-    if len(rows) and ((away_m > nearest) & (away_m < farthest)).all():
+    high = np.abs(rows.columns["up_m"]) > _HIGHEST_M
+    if ((away_m > nearest) & (away_m < farthest) & high).all():
         raise DataFormatError(
             path,
             f"{east} with its two others counts from the middle of the Earth (ECEF, WGS-84)",
             row=int(rows.line[0]),
             remedy="Write latitude, longitude: pyproj.Transformer.from_crs(4978, 4979).transform(x, y, z).",
         )
+    return not high.any()

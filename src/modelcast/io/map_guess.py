@@ -13,7 +13,7 @@ from modelcast.core.arrays import FloatArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.io.column_meanings import GEODETIC, LOCAL, MEANINGS
-from modelcast.io.heading_check import better_meaning
+from modelcast.io.heading_check import heading_meaning
 from modelcast.io.rows import Rows, located
 from modelcast.io.time_column import TimeColumn, over_midnight
 from modelcast.io.unit_check import speed_unit
@@ -136,4 +136,4 @@ def guessed_heading(values: FloatArray, rows: Rows | None = None) -> str:
     if rows is None:
         return usual
     position_m = np.stack([rows.columns["east_m"], rows.columns["north_m"]], axis=1)
-    return better_meaning(usual, rows.columns["angle"], position_m) or usual
+    return heading_meaning(usual, rows.columns["angle"], position_m) or usual

@@ -220,6 +220,7 @@ def written_into(path: str | Path, write: Callable[[Path], Iterable[Path]]) -> l
         clean_leftovers(stem)
         with partial_folder(stem) as partial:
             written = [folder / one.relative_to(partial) for one in write(partial)]
+            _sync_tree(partial)
             _move_into(folder, partial)
     except OSError as error:
         why = "it is a file" if folder.is_file() else refusal(error).rstrip(".")
@@ -235,6 +236,7 @@ def _move_into(target: Path, source: Path) -> None:
             _move_into(place, item)
         else:
             item.replace(place)
+    _sync(target)
 
 
 def lasting_rename(partial: Path, target: Path) -> None:

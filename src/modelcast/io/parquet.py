@@ -66,7 +66,7 @@ class ParquetReader(AbstractHoldingReader):
             schema = metadata.schema.to_arrow_schema()
         checked: set[str] = set()
 
-        def batches(wanted: Sequence[str]) -> Iterator[Any]:
+        def batches(wanted: Sequence[str], rows: int = PART_ROWS) -> Iterator[Any]:
             # pyarrow, because polars ends the whole process on some damaged files.
             words = [name for name in wanted if is_text(schema.field(name).type)]
             with _told(path), Path(path).open("rb") as file:
@@ -78,7 +78,7 @@ class ParquetReader(AbstractHoldingReader):
                     file, metadata=metadata, page_checksum_verification=True,
                     read_dictionary=words, buffer_size=_BUFFER_BYTES, pre_buffer=False,
                 )  # fmt: skip
-                yield from opened.iter_batches(batch_size=PART_ROWS, columns=list(wanted))
+                yield from opened.iter_batches(batch_size=rows, columns=list(wanted))
 
         with _told(path):
             table = ArrowTable(path, self.columns, schema, metadata.num_rows, batches)

@@ -1,7 +1,9 @@
 """One vehicle's rows of a table held against what its columns were taken for.
 
 A unit that is only assumed, or stated and wrong, gives numbers like any other. What can tell is how the
-columns fit one another: each check names the column, what is odd, and the column map that mends it.
+columns fit one another: each check names the column, what is odd, and the column map that mends it. What a
+vehicle may do on good grounds, most vehicles have to do (`modelcast.io.unit_votes`); and what the user's map
+says with its unit is not doubted.
 """
 
 import numpy as np
@@ -23,11 +25,12 @@ from modelcast.io.unit_check import (
     refuse_other_unit,
     refuse_short_steps,
 )
+from modelcast.io.unit_votes import UnitVotes
 
 __all__ = ["check_units", "checked_heading"]
 
 
-def checked_heading(path: str, rows: Rows, found: ColumnMap) -> Rows:
+def checked_heading(path: str, rows: Rows, found: ColumnMap, votes: UnitVotes) -> Rows:
     """Return rows with headings in [-pi, pi), once their unit and sense were held against the way.
 
     Parameters
@@ -38,11 +41,13 @@ def checked_heading(path: str, rows: Rows, found: ColumnMap) -> Rows:
         One vehicle's rows with ``east_m``, ``north_m`` and ``heading_rad``, not wrapped yet.
     found
         What its columns were taken for.
+    votes
+        Where it is counted whether headings are in another unit, or counted from elsewhere.
 
     Raises
     ------
     DataFormatError
-        Where headings are in another unit, or counted from elsewhere.
+        Where headings in radians are too large.
     """
     name, factor = found.numbers["heading_rad"]
     if factor == 1.0:
@@ -50,7 +55,8 @@ def checked_heading(path: str, rows: Rows, found: ColumnMap) -> Rows:
     heading_rad = rows.columns["heading_rad"]
     meaning = next(word for word in found.meanings if MEANINGS[word].fills == "heading_rad")
     stated = (heading_rad - heading_si(np.zeros(1), factor)) / factor
-    refuse_other_heading(path, rows, stated, meaning, name)
+    if meaning not in found.words:
+        votes.ask("heading", lambda: refuse_other_heading(path, rows, stated, meaning, name))
     return rows.having(heading_rad=_wrapped(heading_rad))
 
 
@@ -60,7 +66,7 @@ def _wrapped(heading_rad: FloatArray) -> FloatArray:
     return np.where(inside, heading_rad, wrap_angle_rad(heading_rad))
 
 
-def check_units(path: str, rows: Rows, time: TimeUnit, found: ColumnMap) -> None:
+def check_units(path: str, rows: Rows, time: TimeUnit, found: ColumnMap, votes: UnitVotes) -> None:
     """Refuse times, positions and speeds in other units than names state or let be assumed.
 
     Parameters
@@ -73,23 +79,25 @@ def check_units(path: str, rows: Rows, time: TimeUnit, found: ColumnMap) -> None
         What its times were taken for.
     found
         What its columns were taken for.
+    votes
+        Where it is counted whether positions are degrees, feet or swapped.
 
     Raises
     ------
     DataFormatError
-        Where columns do not fit one another, or no recording is like that.
+        Where other columns do not fit one another, or no recording is like that.
     """
     if time.assumed:
         refuse_long_steps(path, rows, time.assumed)
         refuse_short_steps(path, rows, time.assumed)
     x, y = (found.numbers[name][0] for name in (GEODETIC if found.geodetic else LOCAL))
-    if not found.geodetic:
-        refuse_degrees_as_metres(path, rows, (x, y))
-        if found.numbers[LOCAL[0]][1] == 1.0 and stated_unit(x) != "m":
-            refuse_feet(path, rows, (x, y))
+    if not found.geodetic and stated_unit(x) != "m" and found.words.isdisjoint(LOCAL):
+        votes.ask("degrees", lambda: refuse_degrees_as_metres(path, rows, (x, y)))
+        if found.numbers[LOCAL[0]][1] == 1.0:
+            votes.ask("feet", lambda: refuse_feet(path, rows, (x, y)))
     refuse_other_unit(path, rows, time.assumed)
-    if found.geodetic:
-        refuse_swapped(path, rows, (x, y))
+    if found.geodetic and found.words.isdisjoint(GEODETIC):
+        votes.ask("order", lambda: refuse_swapped(path, rows, (x, y)))
     if found.speed_assumed:
         refuse_other_speed(path, rows, found.speed_assumed)
     if found.geodetic and not found.degrees_stated:

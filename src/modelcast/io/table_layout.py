@@ -3,9 +3,10 @@
 Before the header blank lines, lines that begin with ``#`` and Excel's ``sep=;`` are passed over. Where the
 first line after them holds numbers, the last ``#`` line is the header, as NumPy writes it. Where its names
 mean nothing to the caller, a line among the next `_MOST_BEFORE` whose names do is the header: loggers write
-of themselves before it. A line of units behind it states the units of its names. Fields are parted
-by commas, semicolons, tabs, vertical bars or blanks: the first of them that gives names which mean something
-to the caller. Decimals have a point, or a comma where commas part no fields: one of the two in a file.
+of themselves before it. A line of units behind it states the units of names that state none. Fields are
+parted by commas, semicolons, tabs, vertical bars or blanks: the first of them that gives names which mean
+something to the caller. Decimals have a point, or a comma where commas part no fields: one of the two in a
+file.
 """
 
 import re
@@ -13,7 +14,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from modelcast.core.exceptions import DataFormatError
-from modelcast.io.header_names import are_units
+from modelcast.io.column_meanings import MEANINGS
+from modelcast.io.header_names import are_units, stated_unit
 from modelcast.io.text_head import split_fields
 
 __all__ = ["SEPARATORS", "TableLayout", "decimal_mark", "is_number", "table_layout"]
@@ -24,6 +26,8 @@ SEPARATORS = (",", ";", "\t", "|", " ")
 _EXCEL = re.compile(r"sep=(.)", re.IGNORECASE)
 _POINT = re.compile(r"[+-]?\d*\.\d+([eE][+-]?\d+)?")
 _COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
+_WITH_UNIT = frozenset(name for entry in MEANINGS.values() for name in entry.names if "_" in name)
+"""Names that say all there is to say."""
 _SAMPLE_LINES = 200
 _MOST_BEFORE = 60
 """Lines that are looked at for a header."""
@@ -122,13 +126,16 @@ def _with_blank_end(found: TableLayout, lines: Sequence[str]) -> TableLayout:
 
 
 def _with_units(found: TableLayout, lines: Sequence[str]) -> TableLayout:
-    """Return the layout with the units that the line behind the header states."""
+    """Return the layout with the units that the line behind the header states, of names that state none."""
     behind = next((at for at in range(found.lines, len(lines)) if lines[at].strip()), None)
     units = [] if behind is None else split_fields(lines[behind], found.separator)
     if behind is None or len(units) != len(found.names) or not are_units(units):
         return found
     bare = [unit.strip("[](){} ") for unit in units]
-    names = (f"{name} [{unit}]" if unit else name for name, unit in zip(found.names, bare, strict=True))
+    names = (
+        name if not unit or name in _WITH_UNIT or stated_unit(name) else f"{name} [{unit}]"
+        for name, unit in zip(found.names, bare, strict=True)
+    )
     return replace(found, names=tuple(names), lines=behind + 1, plain=found.names)
 
 

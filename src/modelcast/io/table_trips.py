@@ -7,6 +7,7 @@ with such a position are skipped and counted; such values of other columns are m
 """
 
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
@@ -18,7 +19,7 @@ from modelcast.core.arrays import FloatArray, IntArray
 from modelcast.core.exceptions import DataFormatError
 from modelcast.core.geodesy import Origin
 from modelcast.io.angle_check import refuse_other_angles
-from modelcast.io.base import OnSkipped, Tally
+from modelcast.io.base import NoUsableRow, OnSkipped, Tally
 from modelcast.io.column_map import ColumnMap
 from modelcast.io.gathering import AbstractKeyedRows, KeyedBlock, gathered, numbered
 from modelcast.io.heading_check import heading_si
@@ -29,6 +30,7 @@ from modelcast.io.rows import OPTIONAL, Rows, are_unknown_to_sumo, located, make
 from modelcast.io.table_checks import check_units, checked_heading
 from modelcast.io.table_notes import understood
 from modelcast.io.time_column import TimeUnit, over_midnight
+from modelcast.io.unit_votes import UnitVotes
 from modelcast.trips.trajectory import Trajectory
 from modelcast.trips.understood import Understood
 
@@ -53,6 +55,9 @@ _STOOD_FOR = ("latitude_deg", "longitude_deg", "altitude_m", "heading_rad")
 POSITION_STOOD_FOR = "position not known (-999)"
 
 _NEXT_DAY = "time of day taken as of the next day"
+
+_MOST_WAITING, _MOST_WAITING_ROWS = 100, 1_000_000
+"""Vehicles, and their rows, that wait while more of them object to a unit than fit it."""
 
 _CONSTANTS = ("origin_latitude_deg", "origin_longitude_deg", "origin_altitude_m", "start_unix_s")
 _ONLY = "vehicle"
@@ -136,6 +141,10 @@ class AbstractTable(ABC):
         """
 
 
+_Made = tuple[str, "Trajectory | NoUsableRow"]
+"""The name of a vehicle's trip, and the trip or why there is none."""
+
+
 def table_trips(
     table: AbstractTable, source: str, on_skipped: OnSkipped, *, held_bytes: int = HELD_BYTES
 ) -> Iterator[Trajectory]:
@@ -149,9 +158,16 @@ def table_trips(
         As for readers.
     held_bytes
         Octets of numbers that may be gathered at a time.
+
+    Notes
+    -----
+    While at least half of the vehicles that could be told object to a unit, trips wait; if they still do at
+    the end, or when `_MOST_WAITING` of them wait, the first objection is raised.
     """
     rows = _TableRows(table)
     taken: Understood | None = None
+    votes, waiting = UnitVotes(), deque[_Made]()
+    waiting_rows = 0
     for found in gathered(rows, held_bytes):
         tally = Tally()
         taken = taken or understood(
@@ -163,17 +179,38 @@ def table_trips(
         if table.recoded:
             tally.repair(table.recoded, len(found.rows))
         trip_id = rows.called(found.key)
-        trip = _trip(
-            table.path, source, trip_id, found.rows, tally,
-            count=len(found.rows) + int(found.partial), time=table.time,
-            shared_origin=rows.origin, far_m=rows.far_m, one_clock=rows.one_clock,
-            vehicle=rows.vehicle(found.key), found=table.found,
-            unsorted=_unsorted(table.found, taken),
-        )  # fmt: skip
-        if trip is None:
-            on_skipped(trip_id, tally.why_empty())
+        try:
+            trip = _trip(
+                table.path, source, trip_id, found.rows, tally,
+                count=len(found.rows) + int(found.partial), time=table.time,
+                shared_origin=rows.origin, far_m=rows.far_m, one_clock=rows.one_clock,
+                vehicle=rows.vehicle(found.key), found=table.found, votes=votes,
+                unsorted=_unsorted(table.found, taken),
+            )  # fmt: skip
+        except DataFormatError as error:
+            objection = votes.objection
+            if objection is None:
+                raise
+            raise objection from error
+        waiting.append((trip_id, tally.why_empty() if trip is None else trip))
+        waiting_rows += len(found.rows)
+        if votes.objection is None:
+            yield from _let_go(waiting, on_skipped)
+            waiting_rows = 0
+        elif len(waiting) >= _MOST_WAITING or waiting_rows >= _MOST_WAITING_ROWS:
+            break
+    if votes.objection is not None:
+        raise votes.objection
+
+
+def _let_go(waiting: deque[_Made], on_skipped: OnSkipped) -> Iterator[Trajectory]:
+    """Yield the trips that wait, and say which vehicles gave none."""
+    while waiting:
+        trip_id, made = waiting.popleft()
+        if isinstance(made, Trajectory):
+            yield made
         else:
-            yield trip
+            on_skipped(trip_id, made)
 
 
 def _unsorted(found: ColumnMap, taken: Understood) -> str:
@@ -298,7 +335,7 @@ def _without_blank_columns(rows: Rows) -> Rows:
 def _trip(
     path: str, source: str, trip_id: str, rows: Rows, tally: Tally, *, count: int, time: TimeUnit,
     shared_origin: Origin | None, far_m: FloatArray | None, one_clock: bool, vehicle: str, found: ColumnMap,
-    unsorted: str,
+    votes: UnitVotes, unsorted: str,
 ) -> Trajectory | None:  # fmt: skip
     """Return one vehicle's trip, or None where no row is usable."""
     rows = _without_blank_columns(rows)
@@ -322,17 +359,18 @@ def _trip(
     else:
         origin = _own_origin(constant)
         if far_m is not None:
-            refuse_earth_centred(path, rows, found.numbers["east_m"][0])
+            placed, east = rows, found.numbers["east_m"][0]
+            votes.ask("centre", lambda: refuse_earth_centred(path, placed, east))
             rows = counted_from(rows, far_m, tally)
     if "heading_rad" in columns:
-        rows = checked_heading(path, rows, found)
+        rows = checked_heading(path, rows, found, votes)
     unix = 0.0 if time.unix else constant.get("start_unix_s", np.nan)
     raw_t = over_midnight(rows.columns["t_s"], time)
     tally.repair(_NEXT_DAY, int((raw_t != rows.columns["t_s"]).sum()))
     # Small units are often Unix times, which as seconds in float64 lose their last digits.
     start = float(raw_t[0]) if time.unit_s != 1.0 else 0.0
     rows = rows.having(t_s=(raw_t - start) * time.unit_s)
-    check_units(path, rows, time, found)
+    check_units(path, rows, time, found, votes)
     return make_trip(
         path,
         trip_id,

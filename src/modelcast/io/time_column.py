@@ -173,11 +173,12 @@ class TimeColumn:
         if abs(first) * unit_s >= LONGEST_S:
             by_size = next(entry for entry in _UNIX_UNITS if abs(first) >= entry[0])
             if self._stated or first < 0 or first >= 1e20:
+                word = _WORDS[by_size[1]] if abs(first) >= LONGEST_S else "t_s"
                 raise DataFormatError(
                     self._path,
                     f"{self._name} is {shown}, which in units of {unit_s:g} s is over 3,000 years",
                     row=line,
-                    remedy=f"Map the column by its unit: {_WORDS[by_size[1]]}={self._name}.",
+                    remedy=f"Map the column by its unit: {word}={self._name}.",
                 )
             unit_s, told = by_size[1], f"{self._name} taken as Unix {by_size[2]}"
         if abs(first) * unit_s >= _UNSHIFTED or unit_s != 1.0:

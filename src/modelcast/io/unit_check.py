@@ -21,6 +21,7 @@ __all__ = [
     "refuse_other_unit",
     "refuse_short_steps",
     "speed_unit",
+    "steps_m",
     "ways_m",
 ]
 
@@ -43,6 +44,10 @@ _SPEEDS = {
 _SPEED_TOLERANCE = 0.03
 """Positions and speeds of good recordings agree to 1 % over a trip; the units are 9 % apart at least."""
 LEAST_WAY_M = 50.0
+_PIECE_S = 5.0
+"""Way over which noise of positions counts for little beside the motion."""
+_FEET_AT_LEAST = 2.0
+"""From one end of such a piece to the other what is in feet moves more than this times what speeds say."""
 
 
 def refuse_other_unit(path: str, rows: Rows, time: str) -> None:
@@ -142,8 +147,8 @@ def refuse_other_speed(path: str, rows: Rows, speed: str) -> None:
         )
 
 
-def refuse_feet(path: str, rows: Rows, names: tuple[str, str]) -> None:
-    """Raise `DataFormatError` where positions without a stated unit fit the speeds as feet and not as metres.
+def refuse_feet(path: str, rows: Rows, names: tuple[str, str]) -> bool:
+    """Return whether positions without a stated unit fit the speeds as metres.
 
     Parameters
     ----------
@@ -153,17 +158,43 @@ def refuse_feet(path: str, rows: Rows, names: tuple[str, str]) -> None:
         One vehicle's rows with ``t_s``, ``east_m`` and ``north_m``; without ``speed_mps`` nothing is told.
     names
         Columns of east and north.
+
+    Raises
+    ------
+    DataFormatError
+        Where they fit them as feet.
+
+    Notes
+    -----
+    From row to row noise makes positions move farther than the vehicle does, by any factor. From one end of
+    some seconds to the other it does not.
     """
     moved_m, said_m = ways_m(rows)
-    if not moved_m > LEAST_WAY_M or not abs(said_m / moved_m * _FEET_PER_M - 1.0) <= _SPEED_TOLERANCE:
-        return
+    if not moved_m > LEAST_WAY_M:
+        return False
+    if not abs(said_m / moved_m * _FEET_PER_M - 1.0) <= _SPEED_TOLERANCE:
+        return abs(said_m / moved_m - 1.0) <= _SPEED_TOLERANCE
+    if not _far_apart(rows):
+        return False
     x, y = names
     raise DataFormatError(
         path,
         f"{x} and {y} move {_FEET_PER_M:.2f} times as fast as the speeds say",
         row=int(rows.line[0]),
-        remedy=f"Feet: --columns east_ft={x},north_ft={y}.",
+        remedy=f"Feet: --columns east_ft={x},north_ft={y}. "
+        f"Where they are metres: --columns east_m={x},north_m={y}.",
     )
+
+
+def _far_apart(rows: Rows) -> bool:
+    """Return whether pieces of some seconds end farther from where they begin than a way in metres can."""
+    t_s, speed_mps = rows.columns["t_s"], rows.columns["speed_mps"]
+    ends = np.searchsorted(t_s, np.arange(t_s[0], t_s[-1] + _PIECE_S, _PIECE_S))
+    ends = np.unique(np.minimum(ends, t_s.size - 1))
+    said_m = np.add.reduceat(0.5 * (speed_mps[1:] + speed_mps[:-1]) * np.diff(t_s), ends[:-1])
+    apart_m = np.hypot(np.diff(rows.columns["east_m"][ends]), np.diff(rows.columns["north_m"][ends]))
+    used = said_m > _MOVING_MPS * np.diff(t_s[ends])
+    return float(apart_m[used].sum()) > _FEET_AT_LEAST * float(said_m[used].sum())
 
 
 def speed_unit(rows: Rows) -> tuple[str, float] | None:
@@ -194,20 +225,26 @@ def ways_m(rows: Rows) -> tuple[float, float]:
     rows
         One vehicle's rows with ``t_s``, ``east_m``, ``north_m`` and, where it is known, ``speed_mps``.
     """
-    moved_m, said_m = _steps_m(rows)
+    moved_m, said_m = steps_m(rows)
     return float(moved_m.sum()), float(said_m.sum())
 
 
 def _usual_steps_m(rows: Rows) -> tuple[float, float]:
     """Return the median steps of positions and speeds in motion [m]; zeros where there are few."""
-    moved_m, said_m = _steps_m(rows)
+    moved_m, said_m = steps_m(rows)
     return (
         (float(np.median(moved_m)), float(np.median(said_m))) if moved_m.size >= _FEWEST_STEPS else (0.0, 0.0)
     )
 
 
-def _steps_m(rows: Rows) -> tuple[FloatArray, FloatArray]:
-    """Return the steps that positions move and that speeds say, where in motion and known, (S,) [m]."""
+def steps_m(rows: Rows) -> tuple[FloatArray, FloatArray]:
+    """Return the steps that positions move and that speeds say, where in motion and known, (S,) [m].
+
+    Parameters
+    ----------
+    rows
+        As for `ways_m`.
+    """
     columns = rows.columns
     steps_s = np.diff(columns["t_s"])
     if "speed_mps" not in columns or not steps_s.size or not (steps_s > 0).all():
