@@ -11,8 +11,8 @@ every number in them comes from:
     numbers, ``"src/modelcast/world/drive.py rng.uniform(13.0, 18.0)"``; several in a list
 ``sum = "1 - 0.88"``
     arithmetic, one or several in a list: of numbers of that block or of the page, of ``a``, ``b``, ... for
-    the values in ``code``, and of 1, 2, 100 and 1000, with ``sqrt`` and the like; a number of the page is
-    not its own source
+    the values in ``code``, and of 1, 2, 100 and 1000, with ``sqrt`` and the like; numbers of the page are
+    those outside the words quoted, so that none is its own source
 ``given = "SAE J2945/1, 6.3.8"``
     a standard, a publication, a data set, a device or another program says so: nothing here can be compared
 ``example = "what for"``
@@ -126,10 +126,15 @@ def _values(source: Source, page: str, texts: Mapping[str, str]) -> tuple[set[fl
         return {*named, *known}, set()
     trees = [ast.parse(one, mode="eval").body for one in source.sum]
     operands = {float(one.value) for tree in trees for one in ast.walk(tree) if isinstance(one, ast.Constant)}
-    sums = {_sum(tree, (known or _numbers(page)) | _BARE, named) for tree in trees}
-    if not known and sums & operands:
-        raise ValueError(f"{min(sums & operands):g} is its own source")
-    return {*sums, *named}, operands
+    allowed = known or _numbers(_without(page, source.says))
+    sums = {_sum(tree, allowed | _BARE, named) for tree in trees}
+    return {*sums, *named}, (operands & allowed) - _BARE
+
+
+def _without(page: str, says: str) -> str:
+    """The page but for the words quoted."""
+    ends = [0, *(end for span in quoted(page, [says]) for end in span), len(page)]
+    return " ".join(page[first:last] for first, last in zip(ends[::2], ends[1::2], strict=True))
 
 
 def _block(source: Source, texts: Mapping[str, str]) -> set[float]:

@@ -134,7 +134,7 @@ def test_a_mark_that_names_no_block_is_an_error() -> None:
 
 
 TABLES = {"a.md": "<!-- begin rates -->\n| mbc | 0.88 | 1,200 |\n| cv | 0.70 | 7 |\n<!-- end rates -->\n"}
-SENDS = "It sends 12 % fewer\nmessages, 7 of 1,200, within 0.45 s."
+SENDS = "It sends 12 % fewer\nmessages, 7 of 1,200, within 0.45 s, in 2 s."
 INTERVAL = ["modelcast.messages.airtime.Stack.certificate_interval_s"]
 
 
@@ -144,6 +144,11 @@ INTERVAL = ["modelcast.messages.airtime.Stack.certificate_interval_s"]
         (Source("sends 12 % fewer", block="a.md rates", row="mbc", sum=["1 - 0.88"]), ""),
         (Source("sends 12 % fewer", block="a.md rates", row="cv", sum=["1 - 0.88"]), "0.88 has no source"),
         (Source("sends 12 % fewer", block="a.md rates", sum=["1 - 0.70"]), "12 % is not what the source has"),
+        (Source("sends 12 % fewer", block="a.md rates", sum=["0.88 + 12"]), "12 has no source"),
+        (Source("7 of 1,200", sum=["7 * 1200 / 7"]), "7 has no source"),
+        (Source("of 1,200", sum=["7 * 100 + 500"]), "500 has no source"),
+        (Source("sends 2 of 100", block="a.md rates", sum=["2 * 0.88"]), "the page does not say so"),
+        (Source("in 2 s", sum=["2 * 12"]), "2 s is not what the source has"),
         (Source("fewer messages, 7 of 1,200", block="a.md rates"), ""),
         (Source("7 of 1,200", block="a.md rates", row="cv"), "1,200 is not what the source has"),
         (Source("within 0.45 s", code=INTERVAL), ""),
