@@ -81,7 +81,7 @@ _TEXTS: Mapping[str, str] = {
     "strange.csv": _table("stamp,px,py", _plain),
     "twice.csv": _table("t_s,east_m,east_m", _plain),
     "word.csv": _GOOD.replace("\n0.3,", "\noops,"),
-    "nan.csv": _GOOD.replace("\n0.3,", "\nnan,"),
+    "inf.csv": _GOOD.replace("\n0.3,", "\ninf,"),
     "marks.csv": _table("t_s;east_m;north_m", lambda k: f"{k / 10:.1f};{k},5;0"),
     "backwards.csv": _table(_HEAD, lambda k: _plain(60 - k)),
     "two_cars.csv": _table(_HEAD, lambda k: _plain(k // 2)),
@@ -208,7 +208,13 @@ GROUPS: Mapping[str, tuple[WrongUse, ...]] = {
             "'oops'",
             remedy="Correct the value",
         ),
-        _use("A time that is NaN", "trips nan.csv", "nan.csv, row 5", "'nan'", remedy="leave the cell blank"),
+        _use(
+            "A time that is infinite",
+            "trips inf.csv",
+            "inf.csv, row 5",
+            "'inf'",
+            remedy="leave the cell blank",
+        ),
         _use("Decimal commas and points", "trips marks.csv", "'0.0'", "'0,5'", remedy="one mark of decimals"),
         _use("Times backwards", "trips backwards.csv", "row 3", "5.9 after 6", remedy="Sort the file"),
         _use(
