@@ -199,7 +199,7 @@ def test_an_interrupt_ends_with_130_and_one_line_and_the_next_run_goes_on(
     )
     assert not (tmp_path / "out").exists()
     # Both workers may have written further parts before they were ended.
-    done = len(list((tmp_path / "out.unfinished" / "parts").glob("[0-9]*/done.json")))
+    done = len(list((tmp_path / "out.unfinished" / "parts").glob("*/done.json")))
     assert 1 <= done < 5
     kept = "1 partition is kept" if done == 1 else f"{done} partitions are kept"
     line = f"modelcast: interrupted; {kept}: the same command goes on from there\n"

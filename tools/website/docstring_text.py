@@ -28,7 +28,7 @@ _ARRAY = re.compile(
 _LIKE_AN_ARRAY = re.compile(
     r"~?[\w.]*_Buffer \| ~?[\w.]*_SupportsArray\[.*?_NestedSequence\[complex \| bytes \| str\]"
 )
-_BOUNDED = "~typing.Annotated["
+_BOUNDED = re.compile(r"~(?:typing|types)\.Annotated\[")
 _MADE = re.compile(r"(?<= = )[\w.]+\((?=\w+=)")
 """The beginning of a default that is an object, told by its fields."""
 
@@ -65,10 +65,10 @@ def _end(text: str, begin: int, *, at_comma: bool = False) -> int:
 
 def _without_bounds(text: str) -> str:
     """Each ``Annotated[kind, bound]`` as its kind."""
-    while (at := text.find(_BOUNDED)) >= 0:
-        begin = at + len(_BOUNDED)
+    while bounded := _BOUNDED.search(text):
+        begin = bounded.end()
         kind = text[begin : _end(text, begin, at_comma=True)]
-        text = text[:at] + kind + text[_end(text, begin) + 1 :]
+        text = text[: bounded.start()] + kind + text[_end(text, begin) + 1 :]
     return text
 
 
@@ -121,8 +121,8 @@ def short_signature(text: str) -> str:
     --------
     >>> short_signature("(n: ~typing.Annotated[int, Number(0, (1, 2))] = 3, d: Drivers = Drivers(a=(1, 2)))")
     '(n: int = 3, d: Drivers = Drivers(...))'
-    >>> short_signature("(each: Each = <class 'map'>)")
-    '(each: Each = map)'
+    >>> short_signature("(each: Each = <class 'map'>, n: ~types.Annotated[int | None, Maybe(1)] = None)")
+    '(each: Each = map, n: int | None = None)'
     """
     text = _CALLED.sub(r"\1", _LIKE_AN_ARRAY.sub("~numpy.typing.ArrayLike", _without_bounds(text)))
     return _without_fields(_ARRAY.sub(r"~numpy.typing.NDArray[\1]", text).replace("<factory>", "..."))
